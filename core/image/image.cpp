@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/image/image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/plugin/error.h"
+
+namespace lucerna {
+
+namespace {
+
+constexpr std::int64_t max_side = 65536;
+/// Below this many bytes in memory an image is never suspicious.
+constexpr std::int64_t always_accepted = std::int64_t(1) << 30;
+/// No compression in use shrinks a picture more than this.
+constexpr std::int64_t max_compression = 4096;
+
+std::string_view layer_of(std::string_view plane) {
+    const std::size_t dot = plane.rfind('.');
+    return dot == std::string_view::npos ? std::string_view() : plane.substr(0, dot);
+}
+
+std::string_view channel_of(std::string_view plane) {
+    return plane.substr(plane.rfind('.') + 1);  // npos + 1 is 0
+}
+
+/// Colour first, then alpha, then everything else.
+std::size_t channel_rank(std::string_view channel) {
+    constexpr std::array<std::string_view, 5> order{"R", "G", "B", "Y", "A"};
+    return std::size_t(std::find(order.begin(), order.end(), channel) - order.begin());
+}
+
+}  // namespace
+
+Image::Image(int width_, int height_, std::vector<std::string> channels_)
+    : width(width_), height(height_), channels(std::move(channels_)) {
+    if (width <= 0 || height <= 0) {
+        throw Error(
+            fmt::format("an image of {} x {} pixels: both must be positive", width, height));
+    }
+    pixels.resize(pixel_count() * channels.size());
+}
+
+void Image::set_rgb(int x, int y, Color color) {
+    float* p = at(x, y);
+    p[0] = color.x;
+    if (channels.size() < 3) return;
+    p[1] = color.y;
+    p[2] = color.z;
+}
+
+std::optional<std::size_t> Image::channel(std::string_view name) const {
+    const auto found = std::find(channels.begin(), channels.end(), name);
+    if (found == channels.end()) return {};
+    return std::size_t(found - channels.begin());
+}
+
+const Plane* ImageFile::plane(std::string_view name) const {
+    for (const Plane& p : planes) {
+        if (p.name == name) return &p;
+    }
+    return nullptr;
+}
+
+std::vector<std::string> ImageFile::layers() const {
+    std::vector<std::string> names;
+    for (const Plane& p : planes) {
+        const std::string layer(layer_of(p.name));
+        if (std::find(names.begin(), names.end(), layer) == names.end()) names.push_back(layer);
+    }
+    return names;
+}
+
+Image to_image(const ImageFile& file, std::string_view layer) {
+    std::vector<const Plane*> chosen;
+    for (const Plane& p : file.planes) {
+        if (layer_of(p.name) == layer) chosen.push_back(&p);
+    }
+    if (chosen.empty()) {
+        throw Error(fmt::format("there is no layer \"{}\" in the image; there are: \"{}\"", layer,
+                                join(file.layers(), "\", \"")));
+    }
+    std::stable_sort(chosen.begin(), chosen.end(), [](const Plane* a, const Plane* b) {
+        return channel_rank(channel_of(a->name)) < channel_rank(channel_of(b->name));
+    });
+
+    std::vector<std::string> names;
+    for (const Plane* p : chosen) names.emplace_back(channel_of(p->name));
+    Image image(file.width, file.height, std::move(names));
+    image.chromaticities = file.chromaticities;
+    for (std::size_t c = 0; c < chosen.size(); ++c) {
+        const auto interleave = [&](const auto& samples) {
+            if (samples.size() != image.pixel_count()) {
+                throw Error(fmt::format("channel \"{}\" has {} samples instead of {}",
+                                        chosen[c]->name, samples.size(), image.pixel_count()));
+            }
+            for (std::size_t i = 0; i < samples.size(); ++i) {
+                image.pixels[i * chosen.size() + c] = static_cast<float>(samples[i]);
+            }
+        };
+        std::visit(interleave, chosen[c]->samples);
+    }
+    return image;
+}
+
+void add_layer(ImageFile& file, const Image& image, std::string_view layer, bool half) {
+    if (file.planes.empty() && file.width == 0 && file.height == 0) {
+        file.width = image.width;
+        file.height = image.height;
+    }
+    if (file.width != image.width || file.height != image.height) {
+        throw Error(fmt::format("layer \"{}\" has {} x {} pixels, the file has {} x {}", layer,
+                                image.width, image.height, file.width, file.height));
+    }
+    const std::size_t stride = image.channel_count();
+    for (std::size_t c = 0; c < stride; ++c) {
+        const std::string& channel = image.channels[c];
+        Plane plane{.name = layer.empty() ? channel : fmt::format("{}.{}", layer, channel),
+                    .half = half};
+        if (file.plane(plane.name)) {
+            throw Error(fmt::format("the channel \"{}\" is there twice", plane.name));
+        }
+        std::vector<float> samples(image.pixel_count());
+        for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = image.pixels[i * stride + c];
+        plane.samples = std::move(samples);
+        file.planes.push_back(std::move(plane));
+    }
+}
+
+void check_image_size(const std::string& name, std::int64_t width, std::int64_t height,
+                      std::int64_t channels, std::size_t file_bytes) {
+    if (width <= 0 || height <= 0 || channels <= 0) {
+        throw FileError(
+            fmt::format("{}: it says it has {} x {} pixels of {} channels: it is damaged", name,
+                        width, height, channels));
+    }
+    if (width > max_side || height > max_side || channels > max_side) {
+        throw FileError(fmt::format(
+            "{}: it says it has {} x {} pixels of {} channels, more than the {} that can be read; "
+            "it is damaged, or must be scaled down first",
+            name, width, height, channels, max_side));
+    }
+    // At most 2^48 samples, so 2^50 bytes.
+    const std::int64_t bytes = width * height * channels * std::int64_t(sizeof(float));
+    if (bytes > always_accepted && bytes / max_compression > std::int64_t(file_bytes)) {
+        throw FileError(
+            fmt::format("{}: it says it has {} x {} pixels of {} channels ({} MiB), but it is only "
+                        "{} bytes long: it is damaged, get it again",
+                        name, width, height, channels, bytes >> 20, file_bytes));
+    }
+}
+
+}  // namespace lucerna

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+/// JPEG files. jpeg.cpp is the only user of libjpeg-turbo.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "core/image/image.h"
+
+namespace lucerna {
+
+/// Reads a grey or colour JPEG into channels "Y" or "RGB", in [0, 1], marked as sRGB encoded.
+/// Throws FileError with the name of the file and what to do for damaged and for CMYK files.
+Image read_jpeg(const std::filesystem::path& path);
+
+/// The same from memory; `name` is what errors call it.
+Image decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name);
+
+}  // namespace lucerna

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/image/read_image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+
+#include "core/image/exr.h"
+#include "core/image/file_bytes.h"
+#include "core/image/hdr.h"
+#include "core/image/jpeg.h"
+#include "core/image/png.h"
+#include "core/plugin/error.h"
+
+namespace lucerna {
+
+namespace {
+
+bool starts_with(std::span<const std::uint8_t> bytes, std::string_view signature) {
+    return bytes.size() >= signature.size() &&
+           std::equal(signature.begin(), signature.end(), bytes.begin(),
+                      [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+}  // namespace
+
+Image read_image(const std::filesystem::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file_bytes(path);
+    const std::string name = path.string();
+    if (starts_with(bytes, "\x76\x2f\x31\x01")) {
+        const ImageFile file = decode_exr(bytes, name);
+        try {
+            return to_image(file);
+        } catch (const Error& error) {
+            throw FileError(fmt::format("{}: {}", name, error.what()));
+        }
+    }
+    if (starts_with(bytes, "\x89PNG")) return decode_png(bytes, name);
+    if (starts_with(bytes, "\xff\xd8\xff")) return decode_jpeg(bytes, name);
+    if (starts_with(bytes, "#?")) return decode_hdr(bytes, name);
+    throw FileError(
+        fmt::format("{}: is {}; convert it to OpenEXR, PNG, JPEG or Radiance (.hdr)", name,
+                    bytes.empty() ? "empty" : "not an image of a format that can be read"));
+}
+
+}  // namespace lucerna

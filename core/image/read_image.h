@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Reading an image of any known format.
+#pragma once
+
+#include <filesystem>
+
+#include "core/image/image.h"
+
+namespace lucerna {
+
+/// Reads an OpenEXR (main layer), PNG, JPEG or Radiance file; the first bytes decide, not the name.
+/// Throws FileError if the file is missing, not a regular file, of another format, or damaged.
+Image read_image(const std::filesystem::path& path);
+
+}  // namespace lucerna

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Light transport: from a scene and a sensor to an image.
+#pragma once
+
+#include "core/interfaces/light_sampler.h"
+#include "core/interfaces/sampler.h"
+#include "core/plugin/plugin.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lucerna {
+
+class RenderJob;
+class Scene;
+
+/// One sample of a pixel.
+struct PixelSample {
+    Color radiance{0};        ///< [W/(m² sr)]
+    float alpha = 1;          ///< 0 where the ray left the scene
+    std::span<float> layers;  ///< one number per `layers()`, zero when called
+};
+
+class Integrator : public Object {
+public:
+    static constexpr const char* kind = "integrator";
+    ~Integrator() override;
+
+    /// Fills the film of the job within its budget. Throws Error if the scene cannot be rendered.
+    virtual void render(RenderJob& job) const = 0;
+
+    /// Names of channels beside R, G, B, A, in EXR style: "albedo.R".
+    virtual std::vector<std::string> layers() const { return {}; }
+};
+
+/// An integrator that estimates radiance along camera rays, one independent sample at a time.
+class SamplingIntegrator : public Integrator {
+public:
+    ~SamplingIntegrator() override;
+
+    /// Passes over all pixels until the budget is spent.
+    void render(RenderJob& job) const final;
+
+    /// One sample along the camera ray. Called from many threads.
+    virtual void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
+                        PixelSample& result) const = 0;
+};
+
+}  // namespace lucerna

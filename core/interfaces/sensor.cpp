@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/interfaces/sensor.h"
+
+namespace lucerna {
+
+Sensor::Sensor(const Params& params)
+    : world_from_camera_(params.transform("to_world", "from camera space to the world")),
+      film_(&params.nested_or<Film>("hdrfilm", "the image to be made")),
+      sampler_(&params.nested_or<Sampler>("sobol", "where random numbers come from")) {
+    params.no_effect("shutter_open", "nothing moves while the shutter is open");
+    params.no_effect("shutter_close", "nothing moves while the shutter is open");
+    params.no_effect("srf", "rendering is done in RGB");
+}
+
+Sensor::~Sensor() = default;
+
+}  // namespace lucerna

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Geometry: what rays hit, and where emitters are.
+///
+/// A shape is placed in world space by its constructor (`to_world` is applied in double precision,
+/// results are float). Triangles, parallelograms and instances are traced by Embree itself;
+/// analytic shapes bring a function that knows no Embree.
+#pragma once
+
+#include "core/interfaces/samples.h"
+#include "core/math/bounds.h"
+#include "core/math/transform.h"
+#include "core/plugin/plugin.h"
+
+#include <optional>
+#include <span>
+#include <variant>
+
+namespace lucerna {
+
+class BSDF;
+
+/// Vertices and, three to a triangle, their indices. The shape keeps the memory.
+struct TriangleGeometry {
+    std::span<const Vector3> positions;
+    std::span<const std::uint32_t> indices;
+};
+
+/// corner + u edge_u + v edge_v for u, v in [0, 1].
+struct ParallelogramGeometry {
+    Vector3 corner, edge_u, edge_v;
+};
+
+/// One primitive that answers rays by itself through `Shape::intersect`.
+struct AnalyticGeometry {
+    Bounds3 bounds;
+};
+
+/// A set of shapes, placed once more.
+struct InstanceGeometry {
+    const Shape* group;
+    Transform world_from_group;
+};
+
+/// Shapes that are only seen through instances.
+struct GroupGeometry {
+    std::span<const Shape* const> shapes;
+};
+
+using Geometry = std::variant<TriangleGeometry, ParallelogramGeometry, AnalyticGeometry,
+                              InstanceGeometry, GroupGeometry>;
+
+/// Where a ray met a primitive.
+struct Hit {
+    float t = infinity;
+    Vector2 uv{0};  ///< barycentrics of vertices 1 and 2, u and v of a parallelogram, or free
+    std::uint32_t primitive = 0;
+};
+
+class Shape : public Object {
+public:
+    static constexpr const char* kind = "shape";
+    /// Reads what all shapes have: `to_world`, `flip_normals`, nested BSDF and emitter.
+    explicit Shape(const Params& params);
+    ~Shape() override;
+
+    virtual Geometry geometry() const = 0;
+    virtual Bounds3 bounds() const = 0;
+
+    /// For analytic shapes: the nearest hit with 0 <= t <= ray.tmax, computed in double.
+    virtual std::optional<Hit> intersect(const Ray& ray) const;
+    /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`.
+    virtual void fill(const Ray& ray, const Hit& hit, Interaction& at) const = 0;
+
+    /// Number of primitives that can be sampled, each a light if the shape emits.
+    virtual std::uint32_t primitive_count() const { return 1; }
+    virtual float area(std::uint32_t primitive) const = 0;
+    /// Uniform by area: pdf is 1 / area(primitive). u in [0, 1)².
+    virtual SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const = 0;
+    /// A point seen from `from`, with its density per solid angle. By area unless overridden.
+    /// Empty: the primitive cannot be seen from there, or its density is not finite.
+    virtual std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive,
+                                                            const Receiver& from, Vector2 u) const;
+    /// Density [1/sr] with which `sample_solid_angle` chooses the direction `wi` that meets `hit`.
+    virtual float pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3 wi,
+                                  const Interaction& hit) const;
+    /// Cone around the normals of a primitive: axis, and cosine of its half angle.
+    virtual std::pair<Vector3, float> normal_cone(std::uint32_t primitive) const;
+    virtual Bounds3 primitive_bounds(std::uint32_t primitive) const;
+
+    /// Null only for shapes that are never hit themselves (shapegroup, instance).
+    const BSDF* bsdf() const { return bsdf_; }
+    const Emitter* emitter() const { return emitter_; }
+    /// Index of the light of primitive 0 in the scene's table, if the shape emits.
+    std::uint32_t first_light() const { return first_light_; }
+
+protected:
+    /// For shapes that are never hit themselves (shapegroup, instance): reads nothing.
+    struct NoSurface {};
+    explicit Shape(NoSurface);
+
+    const Transform& world_from_object() const { return world_from_object_; }
+    bool flip_normals() const { return flip_normals_; }
+
+private:
+    friend class Scene;
+    Transform world_from_object_;
+    const BSDF* bsdf_ = nullptr;
+    const Emitter* emitter_ = nullptr;
+    std::uint32_t first_light_ = 0;
+    bool flip_normals_ = false;
+};
+
+}  // namespace lucerna

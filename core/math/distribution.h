@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Tabulated distributions: over indices, over an interval, over a rectangle.
+///
+/// Tables are built and searched in double: float sums drop whatever is 2⁻²⁴ of the rest, and a
+/// float random number cannot tell a million bins apart. All samplers take doubles; give them
+/// 32 bits or more (`uint_to_double`) where bins are many or uneven.
+/// Weights must be finite and not negative, else std::invalid_argument. Bins of weight zero are
+/// never drawn. If all weights are zero the distribution is `empty()`: its probabilities and
+/// densities are zero, and a sample of it is marked by them.
+#pragma once
+
+#include "core/math/vector.h"
+
+#include <span>
+#include <vector>
+
+namespace lucerna {
+
+/// Indices 0 … size − 1 with given probabilities, drawn in constant time
+/// (alias method: Walker 1977; construction after Vose 1991).
+class DiscreteDistribution {
+public:
+    /// An index, and what is left of the random number, again uniform in [0, 1). It has
+    /// lost the bits that chose the index.
+    struct Reused {
+        std::uint32_t index;
+        double u;
+    };
+
+    DiscreteDistribution() = default;
+    explicit DiscreteDistribution(std::span<const double> weights);
+
+    std::uint32_t sample(double u) const { return sample_reuse(u).index; }
+    Reused sample_reuse(double u) const;
+    /// Probability of `index`: weight / total.
+    double pmf(std::uint32_t index) const { return bins_[index].pmf; }
+
+    std::size_t size() const { return bins_.size(); }
+    bool empty() const { return !(total_ > 0); }
+    /// Sum of the weights.
+    double total() const { return total_; }
+
+private:
+    struct Bin {
+        double pmf = 0;
+        double threshold = 0;
+        std::uint32_t alias = 0;
+    };
+    std::vector<Bin> bins_;
+    double total_ = 0;
+};
+
+/// A density on [0, 1] that is constant in each of n equal bins.
+class PiecewiseConstant1D {
+public:
+    struct Sample {
+        float x;
+        float pdf;
+        int index;
+    };
+
+    PiecewiseConstant1D() = default;
+    explicit PiecewiseConstant1D(std::span<const double> weights);
+
+    Sample sample(double u) const;
+    /// Density at x in [0, 1]; zero outside.
+    float pdf(float x) const;
+    /// Probability of a bin.
+    double pmf(int index) const;
+
+    int size() const { return std::max(static_cast<int>(cdf_.size()) - 1, 0); }
+    bool empty() const { return !(total_ > 0); }
+    double total() const { return total_; }
+
+private:
+    std::vector<double> cdf_;
+    double total_ = 0;
+};
+
+/// A density on [0, 1]² that is constant in each cell of a grid, for example the pixels of an
+/// environment map: a row is drawn by its total, then a cell of the row.
+class PiecewiseConstant2D {
+public:
+    struct Sample {
+        Vector2 p;
+        float pdf;
+        /// Column and row.
+        Vector2i index;
+    };
+
+    PiecewiseConstant2D() = default;
+    /// `weights` holds rows of `width`, top row first (row 0 covers the smallest y).
+    PiecewiseConstant2D(std::span<const float> weights, int width, int height);
+
+    Sample sample(Vector2d u) const;
+    /// Density at p in [0, 1]²; zero outside.
+    float pdf(Vector2 p) const;
+
+    int width() const { return width_; }
+    int height() const { return rows_.size(); }
+    bool empty() const { return rows_.empty(); }
+    double total() const { return rows_.total(); }
+
+private:
+    std::span<const double> row_cdf(int row) const;
+
+    PiecewiseConstant1D rows_;
+    /// One cumulative distribution of width + 1 values per row.
+    std::vector<double> cdfs_;
+    int width_ = 0;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Errors with a place: what the author of a scene sees when something is wrong.
+///
+/// Plugins throw `Error` with a message only; the builder adds the place. Reading and building
+/// collect everything that is wrong in one `Diagnostics`, so that all of it is reported at once.
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lucerna {
+
+/// Something the user can mend. The message says what is wrong, what was expected, what to do.
+class Error : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+    ~Error() override;
+};
+
+/// A plugin library that cannot be used: damaged, stale, or of another kind.
+class PluginError : public Error {
+public:
+    using Error::Error;
+    ~PluginError() override;
+};
+
+/// A file that cannot be read or written.
+class FileError : public Error {
+public:
+    using Error::Error;
+    ~FileError() override;
+};
+
+/// The text of a scene file, kept so that messages can show the line they speak of.
+struct SourceFile {
+    std::string path;
+    std::string text;
+};
+
+/// A byte in a source file. Line and column are computed only when a message needs them.
+struct Location {
+    const SourceFile* file = nullptr;
+    std::size_t offset = 0;
+};
+
+enum class Severity : std::uint8_t { error, warning };
+
+/// One message, already detached from its source: `excerpt` is the source line and a caret.
+struct Diagnostic {
+    Severity severity = Severity::error;
+    std::string file;
+    int line = 0;    ///< 1-based; 0 if the message has no place
+    int column = 0;  ///< 1-based
+    std::string message;
+    std::string excerpt;
+
+    /// "scene.xml:13:9: error: message" followed by the excerpt, without a final newline.
+    std::string text() const;
+};
+
+/// All that is wrong with a scene, in the order in which it was found.
+class Diagnostics {
+public:
+    void error(Location where, std::string message);
+    void warning(Location where, std::string message);
+
+    const std::vector<Diagnostic>& all() const { return all_; }
+    int error_count() const { return error_count_; }
+    /// Throws SceneError if there was an error.
+    void throw_if_errors() const;
+
+private:
+    void add(Severity severity, Location where, std::string message);
+    std::vector<Diagnostic> all_;
+    int error_count_ = 0;
+};
+
+/// A scene that cannot be rendered, with everything that is wrong with it.
+class SceneError : public Error {
+public:
+    explicit SceneError(std::vector<Diagnostic> diagnostics);
+    ~SceneError() override;
+    const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+
+private:
+    std::vector<Diagnostic> diagnostics_;
+};
+
+/// The candidate nearest to `word` (Damerau-Levenshtein distance at most a third of its length,
+/// at least 1), or empty.
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
+
+/// `; did you mean "x"?` or empty: to be appended to a message.
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
+
+/// "a, b, c"
+std::string join(const std::vector<std::string>& words, std::string_view separator = ", ");
+
+}  // namespace lucerna

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/plugin/registry.h"
+
+#include "core/plugin/build_context.h"
+#include "core/plugin/library.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <set>
+
+namespace lucerna {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Kind {
+    std::string_view name, folder, default_plugin;
+};
+
+constexpr std::array kinds{
+    Kind{"integrator", "integrators", "path"}, Kind{"light_sampler", "light_samplers", "power"},
+    Kind{"shape", "shapes", "sphere"},         Kind{"bsdf", "bsdfs", "diffuse"},
+    Kind{"emitter", "emitters", "area"},       Kind{"texture", "textures", "checkerboard"},
+    Kind{"sensor", "sensors", "perspective"},  Kind{"sampler", "samplers", "sobol"},
+    Kind{"film", "films", "hdrfilm"},          Kind{"rfilter", "rfilters", "gaussian"},
+    Kind{"command", "commands", "render"},
+};
+
+struct Alias {
+    std::string_view kind, alias, name;
+};
+
+/// Names of other versions of the scene format.
+constexpr std::array aliases{
+    Alias{"film", "ldrfilm", "hdrfilm"},
+    Alias{"sampler", "ldsampler", "sobol"},
+    Alias{"sampler", "orthogonal", "multijitter"},
+};
+
+const Kind* find_kind(std::string_view name) {
+    const auto found = std::find_if(kinds.begin(), kinds.end(),
+                                    [&](const Kind& kind) { return kind.name == name; });
+    return found == kinds.end() ? nullptr : &*found;
+}
+
+bool is_plain_name(std::string_view name) {
+    return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '_' || c == '-';
+    });
+}
+
+}  // namespace
+
+const char* core_version() { return lucerna_version; }
+
+std::string plugin_folder(std::string_view kind) {
+    const Kind* found = find_kind(kind);
+    return found ? std::string(found->folder) : std::string(kind) + "s";
+}
+
+const std::vector<std::string>& plugin_kinds() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> result;
+        for (const Kind& kind : kinds) result.emplace_back(kind.name);
+        return result;
+    }();
+    return names;
+}
+
+std::string_view default_plugin(std::string_view kind) {
+    const Kind* found = find_kind(kind);
+    return found ? found->default_plugin : std::string_view();
+}
+
+std::string_view plugin_alias(std::string_view kind, std::string_view name) {
+    for (const Alias& alias : aliases) {
+        if (alias.kind == kind && alias.alias == name) return alias.name;
+    }
+    return name;
+}
+
+Registry::Registry(std::vector<fs::path> folders) : folders_(std::move(folders)) {
+    if (const char* variable = std::getenv("LUCERNA_PLUGINS")) {
+        std::string_view list = variable;
+        while (!list.empty()) {
+            const std::size_t colon = std::min(list.find(':'), list.size());
+            if (colon > 0) folders_.emplace_back(list.substr(0, colon));
+            list.remove_prefix(std::min(colon + 1, list.size()));
+        }
+    }
+    folders_.push_back(core_library_folder() / "lucerna" / "plugins");
+}
+
+fs::path Registry::path(std::string_view kind, std::string_view name) const {
+    if (!is_plain_name(name)) return {};
+    for (const fs::path& folder : folders_) {
+        fs::path candidate = folder / plugin_folder(kind) / (std::string(name) + ".so");
+        std::error_code ignored;
+        if (fs::exists(candidate, ignored)) return candidate;
+    }
+    return {};
+}
+
+std::vector<std::string> Registry::names(std::string_view kind) const {
+    std::set<std::string> found;
+    for (const fs::path& folder : folders_) {
+        std::error_code failed;
+        for (const auto& entry : fs::directory_iterator(folder / plugin_folder(kind), failed)) {
+            if (entry.path().extension() == ".so") found.insert(entry.path().stem().string());
+        }
+    }
+    return {found.begin(), found.end()};
+}
+
+std::vector<std::string> Registry::opened() const {
+    std::vector<std::string> result;
+    for (const auto& [key, info] : opened_) {
+        result.push_back(plugin_folder(key.first) + "/" + key.second);
+    }
+    return result;
+}
+
+void Registry::add(std::string_view name, const PluginInfo& info) {
+    opened_.insert_or_assign({std::string(info.kind), std::string(name)}, &info);
+}
+
+const PluginInfo& Registry::find(std::string_view kind, std::string_view asked) {
+    const std::string name(plugin_alias(kind, asked));
+    const std::pair key{std::string(kind), name};
+    if (const auto known = opened_.find(key); known != opened_.end()) return *known->second;
+
+    const fs::path library = path(kind, name);
+    if (library.empty()) {
+        const std::vector<std::string> there_are = names(kind);
+        std::string message =
+            fmt::format("there is no {} \"{}\"{}", kind, asked, did_you_mean(asked, there_are));
+        for (const fs::path& folder : folders_) {
+            message += fmt::format("\n  looked for {}",
+                                   (folder / plugin_folder(kind) / (name + ".so")).string());
+        }
+        message += "\n  there are: " + (there_are.empty() ? "none" : join(there_are));
+        throw Error(message);
+    }
+    const PluginInfo& info = open_plugin(library, kind);
+    opened_.emplace(key, &info);
+    return info;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The pictures of a finished render: linear in an EXR file, as a display shows it in a PNG file.
+#pragma once
+
+#include "core/image/color.h"
+#include "core/render/session.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lucerna {
+
+/// Where a render is stored: two files that differ in their extension.
+struct PicturePaths {
+    std::filesystem::path exr, png;
+
+    /// `output` with or without one of the extensions; if it is empty, the scene's name, in the
+    /// current directory.
+    PicturePaths(std::filesystem::path output, const std::filesystem::path& scene);
+    /// Throws FileError if one of them could not be written: to be called before rendering.
+    void check() const;
+};
+
+/// How the PNG shows the picture: see ColorConfig::display.
+struct PictureView {
+    ColorConfig color;
+    std::string name;
+    double exposure = 0;
+};
+
+/// The view of this name (empty: the default one) in the configuration that is chosen by the
+/// environment. Throws Error, before anything is rendered, if there is no such view.
+PictureView picture_view(const std::string& name, double exposure);
+
+/// The image and, as metadata, what made it: command line, scene, seed, samples, seconds, error.
+ImageFile annotated_image(const RenderResult& result, const std::string& command,
+                          const std::string& scene);
+
+/// Writes both files; the film decides how its own kind of file looks. Throws FileError.
+void write_pictures(const Film& film, const ImageFile& image, const PicturePaths& paths,
+                    const PictureView& view);
+
+}  // namespace lucerna

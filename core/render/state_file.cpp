@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/render/state_file.h"
+
+#include "core/image/exr.h"
+#include "core/math/sequences.h"
+#include "core/plugin/error.h"
+#include "core/plugin/registry.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <charconv>
+#include <cstddef>
+#include <cstring>
+#include <type_traits>
+
+namespace lucerna {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the order of words in a state file");
+static_assert(sizeof(ExactSum) == 16, "a sum is four words");
+
+constexpr int state_format = 1;
+constexpr const char* word_names[4] = {"high0", "high1", "low0", "low1"};
+
+/// Calls visit(name, first, stride) for every plane of the state in a fixed order: the plane's
+/// 32-bit words lie at `first`, `first` + `stride`, … bytes.
+template <typename State, typename Visit>
+void visit_planes(State& film, const Visit& visit) {
+    using Byte = std::conditional_t<std::is_const_v<State>, const std::byte, std::byte>;
+    const std::size_t bins = film.bin_count(), channels = film.channel_count();
+    const std::vector<std::string> names = film.channel_names();
+    auto* sums = reinterpret_cast<Byte*>(film.sums().data());
+    auto* counts = reinterpret_cast<Byte*>(film.counts().data());
+    visit("state.dropped", reinterpret_cast<Byte*>(film.dropped().data()), std::size_t{4});
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+        const std::string name =
+            fmt::format("state.{}{}", bin & 1 ? "odd" : "even", bin & 2 ? ".negative" : "");
+        visit(name + ".samples", counts + 4 * bin, 4 * bins);
+        for (std::size_t channel = 0; channel < channels; ++channel) {
+            for (std::size_t word = 0; word < 4; ++word) {
+                visit(fmt::format("{}.{}.{}", name, names[channel], word_names[word]),
+                      sums + 16 * (bin * channels + channel) + 4 * word, 16 * bins * channels);
+            }
+        }
+    }
+}
+
+/// What the planes do not say.
+struct Header {
+    std::string version, layers;
+    std::uint64_t scene_hash, seed, first_sample;
+    double negative_weight, seconds;
+
+    std::uint64_t hash() const {
+        std::uint64_t h =
+            hash64({scene_hash, seed, first_sample, std::bit_cast<std::uint64_t>(negative_weight),
+                    std::bit_cast<std::uint64_t>(seconds)});
+        for (const char c : version + "\n" + layers) {
+            h = hash_combine(h, static_cast<unsigned char>(c));
+        }
+        return h;
+    }
+};
+
+std::uint64_t checksum(std::uint64_t h, std::span<const std::uint32_t> words) {
+    for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
+        h = hash_combine(h, std::uint64_t{words[i]} << 32 | words[i + 1]);
+    }
+    return words.size() % 2 == 0 ? h : hash_combine(h, words.back());
+}
+
+std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
+
+class MetadataReader {
+public:
+    MetadataReader(const Metadata& metadata, const fs::path& path)
+        : metadata_(metadata), path_(path) {}
+
+    template <typename T>
+    T value(const char* name) const {
+        const auto found = metadata_.find(name);
+        const T* value = found == metadata_.end() ? nullptr : std::get_if<T>(&found->second);
+        if (!value) fail();
+        return *value;
+    }
+
+    std::uint64_t number(const char* name, int base) const {
+        const auto text = value<std::string>(name);
+        std::uint64_t result = 0;
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, result, base);
+        if (error != std::errc() || stop != end) fail();
+        return result;
+    }
+
+    [[noreturn]] void fail() const {
+        throw FileError(
+            fmt::format("{} is not the state of a render; give a file that "
+                        "`lucerna render --checkpoint` wrote",
+                        path_.string()));
+    }
+
+private:
+    const Metadata& metadata_;
+    const fs::path& path_;
+};
+
+Header read_header(const MetadataReader& reader) {
+    return {.version = reader.value<std::string>("lucerna:version"),
+            .layers = reader.value<std::string>("lucerna:layers"),
+            .scene_hash = reader.number("lucerna:scene_hash", 16),
+            .seed = reader.number("lucerna:seed", 10),
+            .first_sample = reader.number("lucerna:first_sample", 10),
+            .negative_weight = reader.value<double>("lucerna:negative_weight"),
+            .seconds = reader.value<double>("lucerna:render_seconds")};
+}
+
+void write_header(const Header& header, Metadata& metadata) {
+    metadata["lucerna:state"] = state_format;
+    metadata["lucerna:version"] = header.version;
+    metadata["lucerna:layers"] = header.layers;
+    metadata["lucerna:scene_hash"] = hex(header.scene_hash);
+    metadata["lucerna:seed"] = std::to_string(header.seed);
+    metadata["lucerna:first_sample"] = std::to_string(header.first_sample);
+    metadata["lucerna:negative_weight"] = header.negative_weight;
+    metadata["lucerna:render_seconds"] = header.seconds;
+}
+
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        words.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return words;
+}
+
+}  // namespace
+
+void write_state(const fs::path& path, const FilmState& film, const RenderIdentity& identity,
+                 double seconds) {
+    const Header header = {.version = core_version(),
+                           .layers = join(film.layout().layers, ","),
+                           .scene_hash = identity.scene_hash,
+                           .seed = identity.seed,
+                           .first_sample = film.first_sample(),
+                           .negative_weight = film.layout().negative_weight,
+                           .seconds = seconds};
+    ImageFile file = film.resolve();
+    write_header(header, file.metadata);
+    std::uint64_t sum = header.hash();
+    visit_planes(film, [&](const std::string& name, const std::byte* first, std::size_t stride) {
+        std::vector<std::uint32_t> words(film.pixel_count());
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            std::memcpy(&words[i], first + i * stride, 4);
+        }
+        sum = checksum(sum, words);
+        file.planes.push_back({.name = name, .samples = std::move(words)});
+    });
+    file.metadata["lucerna:checksum"] = hex(sum);
+    write_exr(path, file);
+}
+
+RenderState read_state(const fs::path& path) {
+    const ImageFile file = read_exr(path);
+    const MetadataReader reader(file.metadata, path);
+    const Header header = read_header(reader);
+    if (reader.value<int>("lucerna:state") != state_format || header.version != core_version()) {
+        throw FileError(
+            fmt::format("{} was written by Lucerna {}, this is {}: images of two "
+                        "versions cannot be continued; render again without --resume",
+                        path.string(), header.version, core_version()));
+    }
+    const FilmLayout layout = {.full_size = {file.full_width, file.full_height},
+                               .crop = {{file.x, file.y}, {file.width, file.height}},
+                               .layers = split(header.layers),
+                               .negative_weight = header.negative_weight};
+    RenderState state = {.film = FilmState(layout, header.first_sample),
+                         .identity = {header.scene_hash, header.seed},
+                         .seconds = header.seconds};
+    std::uint64_t sum = header.hash();
+    visit_planes(state.film, [&](const std::string& name, std::byte* first, std::size_t stride) {
+        const Plane* plane = file.plane(name);
+        const auto* words =
+            plane ? std::get_if<std::vector<std::uint32_t>>(&plane->samples) : nullptr;
+        if (!words || words->size() != state.film.pixel_count()) reader.fail();
+        for (std::size_t i = 0; i < words->size(); ++i) {
+            std::memcpy(first + i * stride, &(*words)[i], 4);
+        }
+        sum = checksum(sum, *words);
+    });
+    if (sum != reader.number("lucerna:checksum", 16)) {
+        throw FileError(
+            fmt::format("{} is damaged: its checksum does not match; use an older copy "
+                        "or render again without --resume",
+                        path.string()));
+    }
+    return state;
+}
+
+void check_continues(const RenderState& state, const FilmLayout& layout,
+                     const RenderIdentity& identity, const fs::path& path) {
+    const FilmLayout& old = state.film.layout();
+    const auto refuse = [&](const std::string& what) {
+        throw Error(
+            fmt::format("cannot resume from {}: {}; render again without --resume, or with "
+                        "another --checkpoint file",
+                        path.string(), what));
+    };
+    if (old.full_size != layout.full_size) {
+        refuse(fmt::format("it is {} × {} pixels, the scene {} × {}", old.full_size.x,
+                           old.full_size.y, layout.full_size.x, layout.full_size.y));
+    }
+    if (!(old.crop == layout.crop)) refuse("it has another crop window");
+    if (old.layers != layout.layers) {
+        refuse(fmt::format("it has the layers [{}], the scene [{}]", join(old.layers),
+                           join(layout.layers)));
+    }
+    if (old.negative_weight != layout.negative_weight) refuse("it has another filter");
+    if (state.identity.seed != identity.seed) {
+        refuse(fmt::format("it was rendered with --seed {}, not {}", state.identity.seed,
+                           identity.seed));
+    }
+    if (state.identity.scene_hash != identity.scene_hash) {
+        refuse("it belongs to another scene, or the scene or its --set and -D values have changed");
+    }
+}
+
+}  // namespace lucerna

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/builder.h"
+
+#include "core/interfaces/film.h"
+#include "core/plugin/build_context.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <optional>
+
+namespace lucerna {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int max_nesting = 256;  // by references; the reader bounds nesting in the text
+
+class ObjectBuilder final : public BuildContext {
+public:
+    ObjectBuilder(const Description& description, Registry& registry, Diagnostics& diagnostics,
+                  Vector3d origin = Vector3d(0))
+        : description_(description),
+          registry_(registry),
+          diagnostics_(diagnostics),
+          origin_(origin) {}
+
+    /// The object of an element, built at most once. Null if it is wrong; the reason is recorded.
+    Object* build(const Element& element);
+    std::vector<std::unique_ptr<Object>> take_objects() { return std::move(objects_); }
+
+    const Object* object(const Child& child) override { return built_.at(child.element); }
+    Object* default_object(std::string_view kind, std::string_view type) override;
+    fs::path find_file(const std::string& name) override;
+    Transform placement(const Element& element) override;
+    Diagnostics& diagnostics() override { return diagnostics_; }
+    bool lenient() const override { return description_.legacy; }
+
+private:
+    bool build_children(const Element& element);
+    Object* construct(const Element& element, const PluginInfo& info);
+
+    const Description& description_;
+    Registry& registry_;
+    Diagnostics& diagnostics_;
+    Vector3d origin_;
+    std::vector<std::unique_ptr<Object>> objects_;
+    std::map<const Element*, Object*> built_;
+    std::map<std::pair<std::string, std::string>, Object*> defaults_;
+    int nesting_ = 0;
+    int shapes_around_ = 0;
+};
+
+/// Constructs a plugin with nothing, to see what it asks for.
+class DescribingContext final : public BuildContext {
+public:
+    explicit DescribingContext(Registry& registry) : builder_(none_, registry, ignored_) {}
+
+    const Object* object(const Child&) override { return nullptr; }
+    const Object* default_object(std::string_view kind, std::string_view type) override {
+        return builder_.default_object(kind, type);
+    }
+    fs::path find_file(const std::string&) override { return {}; }
+    Transform placement(const Element&) override { return {}; }
+    Diagnostics& diagnostics() override { return ignored_; }
+    bool describing() const override { return true; }
+
+private:
+    Description none_;
+    Diagnostics ignored_;
+    ObjectBuilder builder_;
+};
+
+Object* ObjectBuilder::build(const Element& element) {
+    if (const auto known = built_.find(&element); known != built_.end()) return known->second;
+    built_[&element] = nullptr;
+    if (++nesting_ > max_nesting) {
+        diagnostics_.error(element.where,
+                           fmt::format("objects are nested more than {} deep", max_nesting));
+        --nesting_;
+        return nullptr;
+    }
+    const PluginInfo* info = nullptr;
+    try {
+        info = &registry_.find(element.kind, element.type);
+    } catch (const PluginError& e) {
+        Diagnostics one;
+        one.error(element.where, e.what());
+        throw PluginError(one.all().front().text());
+    } catch (const Error& e) {
+        diagnostics_.error(element.where, e.what());
+    }
+    const bool complete = build_children(element);
+    Object* object = info && complete ? construct(element, *info) : nullptr;
+    --nesting_;
+    return built_[&element] = object;
+}
+
+bool ObjectBuilder::build_children(const Element& element) {
+    bool complete = true;
+    shapes_around_ += element.kind == Shape::kind ? 1 : 0;
+    for (const Child& child : element.children) complete &= build(*child.element) != nullptr;
+    shapes_around_ -= element.kind == Shape::kind ? 1 : 0;
+    return complete;
+}
+
+Object* ObjectBuilder::construct(const Element& element, const PluginInfo& info) {
+    const int errors_before = diagnostics_.error_count();
+    try {
+        const Params params(element, *this);
+        std::unique_ptr<Object> object(info.create(params));
+        params.report_unused(
+            [&] { return describe_parameters(registry_, element.kind, element.type); });
+        if (diagnostics_.error_count() > errors_before) return nullptr;
+        objects_.push_back(std::move(object));
+        return objects_.back().get();
+    } catch (const std::bad_alloc&) {
+        diagnostics_.error(element.where, fmt::format("not enough memory for {} \"{}\"",
+                                                      element.kind, element.type));
+    } catch (const PluginError&) {
+        throw;
+    } catch (const std::exception& e) {
+        diagnostics_.error(element.where, e.what());
+    }
+    return nullptr;
+}
+
+Object* ObjectBuilder::default_object(std::string_view kind, std::string_view type) {
+    const auto [known, is_new] = defaults_.try_emplace({std::string(kind), std::string(type)});
+    if (!is_new) return known->second;
+    Element element;
+    element.kind = kind;
+    element.type = type;
+    const Params params(element, *this);
+    objects_.emplace_back(registry_.find(kind, type).create(params));
+    return known->second = objects_.back().get();
+}
+
+fs::path ObjectBuilder::find_file(const std::string& name) {
+    std::vector<fs::path> tried;
+    if (fs::path(name).is_absolute() || description_.search_paths.empty()) {
+        tried.emplace_back(name);
+    } else {
+        for (const std::string& folder : description_.search_paths) {
+            tried.push_back(fs::path(folder) / name);
+        }
+    }
+    std::string list;
+    for (const fs::path& path : tried) {
+        std::error_code ignored;
+        if (fs::is_regular_file(path, ignored)) return path;
+        const bool exists = fs::exists(path, ignored);
+        list += fmt::format("\n  looked for {}{}", path.string(),
+                            exists ? ", which is not a regular file" : "");
+    }
+    throw Error(fmt::format("there is no file \"{}\"{}", name, list));
+}
+
+Transform ObjectBuilder::placement(const Element& element) {
+    // A shape inside a shape lives in the space of its parent.
+    if (element.kind == Shape::kind && shapes_around_ > 0) return {};
+    return origin_ == Vector3d(0) ? Transform() : Transform::translate(-origin_);
+}
+
+/// All objects of a description, sorted by what they are for.
+std::optional<SceneParts> build_parts(const Description& description, Registry& registry,
+                                      Diagnostics& diagnostics, Vector3d origin) {
+    ObjectBuilder builder(description, registry, diagnostics, origin);
+    SceneParts parts;
+    parts.origin = origin;
+    parts.hash = description.hash;
+    const auto only_one = [&](bool already, const Child& child) {
+        if (already) {
+            diagnostics.error(child.where,
+                              fmt::format("the scene has a second {}; it can have only one",
+                                          child.element->kind));
+        }
+    };
+    for (const Child& child : description.root->children) {
+        const std::string& kind = child.element->kind;
+        if (kind == Shape::kind) {
+            if (auto* shape = static_cast<Shape*>(builder.build(*child.element))) {
+                parts.shapes.push_back(shape);
+            }
+        } else if (kind == Emitter::kind) {
+            auto* emitter = static_cast<Emitter*>(builder.build(*child.element));
+            if (emitter && emitter->on_surface()) {
+                diagnostics.error(child.where, fmt::format("emitter \"{}\" must be inside a shape",
+                                                           child.element->type));
+            }
+            parts.emitters.push_back(emitter);
+        } else if (kind == Integrator::kind) {
+            only_one(parts.integrator, child);
+            parts.integrator = static_cast<Integrator*>(builder.build(*child.element));
+        } else if (kind == Sensor::kind) {
+            only_one(parts.sensor, child);
+            parts.sensor = static_cast<Sensor*>(builder.build(*child.element));
+        }
+        // BSDFs, textures and the like are built when something refers to them.
+    }
+    for (const Property& property : description.root->properties) {
+        diagnostics.error(property.where,
+                          fmt::format("a scene has no parameter \"{}\"", property.name));
+    }
+    if (diagnostics.error_count() > 0) return {};
+    const auto or_default = [&]<typename T>(const T*& part) {
+        if (part) return;
+        part = static_cast<T*>(builder.default_object(T::kind, default_plugin(T::kind)));
+        diagnostics.warning(description.root->where,
+                            fmt::format("the scene has no {}: the default is used", T::kind));
+    };
+    or_default(parts.integrator);
+    or_default(parts.sensor);
+    parts.objects = builder.take_objects();
+    return parts;
+}
+
+/// The centre of the scene if float coordinates would be too coarse for its size there.
+std::optional<Vector3d> far_center(const std::vector<Shape*>& shapes) {
+    Bounds3 bounds;
+    for (const Shape* shape : shapes) bounds.include(shape->bounds());
+    if (bounds.empty()) return {};
+    constexpr float far = 1e3f;
+    const Vector3 center = bounds.center();
+    if (max_component(glm::abs(center)) <= far * max_component(bounds.extent())) return {};
+    return Vector3d(center);
+}
+
+}  // namespace
+
+std::unique_ptr<Scene> build_scene(const Description& description, Registry& registry,
+                                   Diagnostics& diagnostics, const BuildOptions& options) {
+    std::optional<SceneParts> parts = build_parts(description, registry, diagnostics, Vector3d(0));
+    diagnostics.throw_if_errors();
+    if (const std::optional<Vector3d> center = far_center(parts->shapes)) {
+        diagnostics.warning(description.root->where,
+                            fmt::format("the scene is moved by ({:g}, {:g}, {:g}): it is too far "
+                                        "from the origin for its size",
+                                        -center->x, -center->y, -center->z));
+        Diagnostics again;  // says the same once more
+        parts = build_parts(description, registry, again, *center);
+        again.throw_if_errors();
+    }
+    parts->threads = options.threads;
+    return std::make_unique<Scene>(std::move(*parts));
+}
+
+std::vector<ParameterInfo> describe_parameters(Registry& registry, std::string_view kind,
+                                               std::string_view name) {
+    const PluginInfo& info = registry.find(kind, name);
+    DescribingContext context(registry);
+    Element element;
+    element.kind = kind;
+    element.type = name;
+    const Params params(element, context);
+    try {
+        const std::unique_ptr<Object> ignored(info.create(params));
+    } catch (const std::exception&) {
+        // It needs something that is not there, after all parameters have been asked for.
+    }
+    return params.asked();
+}
+
+std::unique_ptr<Object> make_object(Registry& registry, std::string_view kind,
+                                    std::string_view name) {
+    const PluginInfo& info = registry.find(kind, name);
+    const Description none;
+    Diagnostics diagnostics;
+    ObjectBuilder context(none, registry, diagnostics);
+    Element element;
+    element.kind = kind;
+    element.type = name;
+    const Params params(element, context);
+    return std::unique_ptr<Object>(info.create(params));
+}
+
+const Object* build_object(const Element& element, const Description& description,
+                           Registry& registry, Diagnostics& diagnostics,
+                           std::vector<std::unique_ptr<Object>>& objects) {
+    ObjectBuilder builder(description, registry, diagnostics);
+    const Object* result = builder.build(element);
+    for (auto& object : builder.take_objects()) objects.push_back(std::move(object));
+    return result;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Scenes that were written for Mitsuba before version 2: what has been renamed since.
+#pragma once
+
+#include "core/scene/description.h"
+
+namespace lucerna {
+
+/// "toWorld" becomes "to_world", "intIOR" becomes "int_ior".
+std::string legacy_name(std::string_view name);
+
+/// "lookAt" becomes "lookat"; other tags kept their names.
+std::string_view legacy_tag(std::string_view tag);
+
+/// Renames parameters that are called differently today, and makes one transform `to_uv` of the
+/// scale and offset of texture coordinates: u' = uscale·u + uoffset, as Mitsuba 0.6 had it.
+void upgrade_legacy(Element& element, Diagnostics& diagnostics);
+
+}  // namespace lucerna

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Triangle meshes: what `cube` and all mesh files become.
+///
+/// Vertices are in world space, floats that were rounded once. Counter-clockwise triangles face the
+/// viewer from outside; where a file gives vertex normals, they decide instead. Mirroring keeps the
+/// outside outside.
+///
+/// Texture coordinates: (0, 0) is the lower left corner of a picture and v grows upwards, as in most
+/// OBJ files. Mitsuba counts v downwards; all shapes turn it over so that pictures lie as they do
+/// there: v here is 1 − v there.
+#pragma once
+
+#include "core/interfaces/shape.h"
+
+#include <string>
+#include <vector>
+
+namespace lucerna {
+
+/// A mesh on its way from a file to a shape. Positions and normals are moved to the world in double
+/// as they arrive, so that files far from the origin lose nothing.
+struct MeshData {
+    std::string name;  ///< of the file, for messages
+    Transform world_from_file;
+    std::vector<Vector3> positions;
+    std::vector<Vector3> normals;        ///< none or one for each position; unit length or zero
+    std::vector<Vector2> uvs;            ///< none or one for each position
+    std::vector<std::uint32_t> indices;  ///< three to a triangle
+    bool face_normals = false;           ///< the file asks for a faceted look
+
+    /// Makes room. The counts must not be larger than the file can hold.
+    void reserve(std::size_t vertices, std::size_t triangles);
+    void add_position(Vector3d p) { positions.emplace_back(world_from_file.point(p)); }
+    void add_normal(Vector3d n);
+    /// Turns a convex polygon into a fan of triangles around its first vertex.
+    void add_polygon(std::span<const std::uint32_t> corners);
+    /// v → 1 − v.
+    void flip_v();
+};
+
+class Mesh : public Shape {
+public:
+    Geometry geometry() const final;
+    Bounds3 bounds() const final { return bounds_; }
+    void fill(const Ray& ray, const Hit& hit, Interaction& at) const final;
+
+    std::uint32_t primitive_count() const final;
+    float area(std::uint32_t primitive) const final;
+    SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const final;
+    /// Uniform by solid angle unless the triangle is too small or too near for it (solid_angle.h).
+    std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,
+                                                    Vector2 u) const final;
+    float pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3 wi,
+                          const Interaction& hit) const final;
+    std::pair<Vector3, float> normal_cone(std::uint32_t primitive) const final;
+    Bounds3 primitive_bounds(std::uint32_t primitive) const final;
+
+    std::size_t vertex_count() const { return vertex_count_; }
+
+protected:
+    /// Reads what all meshes have: `face_normals`. Empty until `assign`.
+    explicit Mesh(const Params& params);
+    /// Takes the arrays over. Throws Error if a vertex is not finite or an index too large.
+    void assign(MeshData data);
+
+private:
+    struct Triangle;
+    Triangle triangle(std::uint32_t primitive) const;
+    SurfaceSample sample_at(std::uint32_t primitive, Vector3 barycentrics) const;
+    Vector2 uv_at(const Triangle& triangle, Vector3 barycentrics) const;
+    Vector3 shading_normal(const Triangle& triangle, Vector3 barycentrics, Vector3 n) const;
+    void fill_derivatives(const Triangle& triangle, Interaction& at) const;
+
+    std::vector<Vector3> positions_, normals_;
+    std::vector<Vector2> uvs_;
+    std::vector<std::uint32_t> indices_;
+    std::size_t vertex_count_ = 0;
+    Bounds3 bounds_;
+    bool face_normals_ = false;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/scene.h"
+
+#include "core/math/rounding.h"
+#include "core/scene/accelerator.h"
+#include "core/scene/ray_statistics.h"
+
+namespace lucerna {
+
+namespace {
+
+constexpr float coordinate_limit = 1e18f;  // beyond it Embree's arithmetic overflows
+
+bool is_traceable(const Ray& ray) {
+    const auto in_range = [](Vector3 v) {
+        return std::abs(v.x) < coordinate_limit && std::abs(v.y) < coordinate_limit &&
+               std::abs(v.z) < coordinate_limit;
+    };
+    return in_range(ray.o) && in_range(ray.d) && ray.tmax >= 0 && glm::dot(ray.d, ray.d) > 0;
+}
+
+/// Fills the interaction of a hit on a shape of a group: in the space of the group, then moved.
+void fill_through_instance(const SceneHit& met, const Ray& ray, Interaction& at) {
+    const auto instance = std::get<InstanceGeometry>(met.instance->geometry());
+    const Transform& world_from_group = instance.world_from_group;
+    const Transform group_from_world = world_from_group.inverse();
+    const Ray local{.o = group_from_world.point(ray.o),
+                    .d = group_from_world.direction(ray.d),
+                    .tmax = ray.tmax};
+    met.shape->fill(local, met.hit, at);
+    const Vector3d p = world_from_group.point(Vector3d(at.p));
+    const Matrix4d& m = world_from_group.matrix();
+    double stretch = 0;
+    for (int row = 0; row < 3; ++row) {
+        stretch =
+            std::max(stretch, std::abs(m[0][row]) + std::abs(m[1][row]) + std::abs(m[2][row]));
+    }
+    at.p = Vector3(p);
+    at.error = static_cast<float>(stretch) * at.error + gamma(4) * max_component(glm::abs(at.p));
+    at.n = Vector3(glm::normalize(world_from_group.normal(Vector3d(at.n))));
+    at.dpdu = world_from_group.direction(at.dpdu);
+    at.dpdv = world_from_group.direction(at.dpdv);
+    const Vector3d ns = glm::normalize(world_from_group.normal(Vector3d(at.shading.n)));
+    at.shading = Frame::from_normal_tangent(Vector3(ns), at.dpdu);
+    if (world_from_group.swaps_handedness()) at.shading.t = glm::cross(at.shading.n, at.shading.s);
+}
+
+/// Interpolated normals can turn away from a viewer who sees the surface. They are bent back just
+/// so far that the viewer is above the shading horizon, else silhouettes would be black.
+void keep_viewer_above(Interaction& at, Vector3 wo) {
+    const float geometric = glm::dot(wo, at.n);
+    const float shading = glm::dot(wo, at.shading.n);
+    if (geometric * shading > 0 || geometric == 0) return;
+    constexpr float least_cosine = 1e-3f;
+    const float wanted = geometric > 0 ? least_cosine : -least_cosine;
+    const Vector3 n = glm::normalize(at.shading.n + (wanted - shading) * wo);
+    at.shading = Frame::from_normal_tangent(n, at.dpdu);
+}
+
+}  // namespace
+
+Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
+    for (const Shape* shape : parts_.shapes) bounds_.include(shape->bounds());
+    if (bounds_.empty()) bounds_ = {.min = Vector3(0), .max = Vector3(0)};
+    accelerator_ = std::make_unique<Accelerator>(parts_.shapes, parts_.threads);
+    collect_lights();
+    for (const auto& object : parts_.objects) object->prepare(*this);
+}
+
+Scene::~Scene() = default;
+
+void Scene::collect_lights() {
+    for (const Emitter* emitter : parts_.emitters) {
+        if (emitter->infinite()) {
+            infinite_lights_.push_back(static_cast<std::uint32_t>(lights_.size()));
+        }
+        lights_.push_back({.emitter = emitter});
+    }
+    for (Shape* shape : parts_.shapes) {
+        if (!shape->emitter()) continue;
+        shape->first_light_ = static_cast<std::uint32_t>(lights_.size());
+        for (std::uint32_t i = 0; i < shape->primitive_count(); ++i) {
+            lights_.push_back({.emitter = shape->emitter(), .shape = shape, .primitive = i});
+        }
+    }
+}
+
+std::optional<Interaction> Scene::intersect(const Ray& ray) const {
+    RayStatistics& statistics = thread_ray_statistics();
+    if (!is_traceable(ray)) [[unlikely]] {
+        ++statistics.dropped;
+        return {};
+    }
+    float tmin = 0;
+    // A hit is passed over if it is the primitive that the ray starts on, or if its distance is
+    // not where the primitive is (edge-on slivers). Each is rare; a bound keeps it finite.
+    for (int attempt = 0; attempt < 8; ++attempt) {
+        ++statistics.intersections;
+        const std::optional<SceneHit> met = accelerator_->intersect(ray, tmin);
+        if (!met) return {};
+        tmin = next_float_up(met->hit.t);
+        if (met->flat && met->id == ray.source) continue;
+
+        std::optional<Interaction> at(std::in_place);
+        at->shape = met->shape;
+        at->primitive = met->hit.primitive;
+        if (met->flat) at->source = met->id;
+        at->t = met->hit.t;
+        if (met->instance) [[unlikely]] {
+            fill_through_instance(*met, ray, *at);
+        } else {
+            met->shape->fill(ray, met->hit, *at);
+        }
+        const float distance = glm::dot(at->p - ray.o, ray.d);
+        const float tolerance = 1e-3f * std::max(std::abs(distance), at->t) + 64 * at->error;
+        if (!(std::abs(distance - at->t) <= tolerance)) [[unlikely]] {
+            ++statistics.rejected;
+            continue;
+        }
+        keep_viewer_above(*at, -ray.d);
+        return at;
+    }
+    return {};
+}
+
+bool Scene::occluded(const Ray& ray) const {
+    RayStatistics& statistics = thread_ray_statistics();
+    if (!is_traceable(ray)) [[unlikely]] {
+        ++statistics.dropped;
+        return true;
+    }
+    ++statistics.occlusions;
+    return accelerator_->occluded(ray, {});
+}
+
+bool Scene::occluded(const Receiver& from, const LightSample& to) const {
+    RayStatistics& statistics = thread_ray_statistics();
+    Ray ray{.o = offset_ray_origin(from.p, from.error, from.n, to.wi),
+            .d = to.wi,
+            .tmax = infinity,
+            .source = from.source};
+    if (std::isfinite(to.distance)) {
+        ray.d = offset_ray_origin(to.p, to.error, to.n, -to.wi) - ray.o;
+        ray.tmax = 1 - 1e-5f;
+    }
+    if (!is_traceable(ray)) [[unlikely]] {
+        ++statistics.dropped;
+        return true;
+    }
+    ++statistics.occlusions;
+    return accelerator_->occluded(ray, to.target);
+}
+
+Color Scene::environment(Vector3 d) const {
+    Color sum(0);
+    for (const std::uint32_t i : infinite_lights_) sum += lights_[i].emitter->environment(d);
+    return sum;
+}
+
+std::size_t Scene::accelerator_bytes() const { return accelerator_->bytes(); }
+
+}  // namespace lucerna

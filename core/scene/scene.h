@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The world while it is rendered: immutable, shared by all threads, owner of all objects.
+#pragma once
+
+#include "core/interfaces/emitter.h"
+#include "core/interfaces/integrator.h"
+#include "core/interfaces/sensor.h"
+#include "core/interfaces/shape.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lucerna {
+
+class Accelerator;
+
+/// Everything that a scene is made of, as the builder hands it over.
+struct SceneParts {
+    std::vector<std::unique_ptr<Object>> objects;  ///< all of them, in the order of construction
+    std::vector<Shape*> shapes;                    ///< of the world itself, not of groups
+    std::vector<const Emitter*> emitters;          ///< without a shape
+    const Integrator* integrator = nullptr;
+    const Sensor* sensor = nullptr;
+    Vector3d origin{0};      ///< the point of the scene file that is world (0, 0, 0) now
+    std::uint64_t hash = 0;  ///< of the description
+    int threads = 0;         ///< that may build; 0: all
+};
+
+class Scene {
+public:
+    /// Builds the accelerator and the table of lights, then prepares all objects.
+    explicit Scene(SceneParts parts);
+    ~Scene();
+    Scene(const Scene&) = delete;
+    Scene& operator=(const Scene&) = delete;
+
+    /// The nearest surface along the ray. A ray that is not finite is dropped and counted.
+    std::optional<Interaction> intersect(const Ray& ray) const;
+    /// True if something lies on the ray.
+    bool occluded(const Ray& ray) const;
+    /// True if something lies between the receiver and the sampled point of a light. Both ends
+    /// are moved off their surfaces.
+    bool occluded(const Receiver& from, const LightSample& to) const;
+
+    /// All lights: lights().size() may be millions.
+    std::span<const Light> lights() const { return lights_; }
+    /// Indices of the lights at infinity.
+    std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
+    /// The light that a point of an emitting surface belongs to.
+    static std::uint32_t light_of(const Interaction& at) {
+        return at.shape->first_light() + at.primitive;
+    }
+    /// Radiance that arrives from infinity along a ray of direction `d`.
+    Color environment(Vector3 d) const;
+
+    /// Of all shapes; a point at the origin if there are none.
+    const Bounds3& bounds() const { return bounds_; }
+    const Integrator& integrator() const { return *parts_.integrator; }
+    const Sensor& sensor() const { return *parts_.sensor; }
+    std::span<Shape* const> shapes() const { return parts_.shapes; }
+    Vector3d origin() const { return parts_.origin; }
+    std::uint64_t hash() const { return parts_.hash; }
+    /// Memory of the accelerator [bytes].
+    std::size_t accelerator_bytes() const;
+
+private:
+    void collect_lights();
+
+    SceneParts parts_;
+    Bounds3 bounds_;
+    std::unique_ptr<Accelerator> accelerator_;
+    std::vector<Light> lights_;
+    std::vector<std::uint32_t> infinite_lights_;
+};
+
+}  // namespace lucerna

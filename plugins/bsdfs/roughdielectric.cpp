@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+/// roughdielectric: a rough boundary between two transparent substances, as ground glass.
+///
+/// Facets are smooth dielectrics:
+///
+///     fr(wo, wi) = F D(m) G / (4 |cos θo cos θi|)
+///     ft(wo, wi) = (1 − F) D(m) G |wo·m wi·m| / (|cos θo cos θi| (wi·m + wo·m / η)²)
+///
+/// with η along wi over along wo; for radiance ft / η² (Walter et al. 2007, eq. 20, 21; pbrt 4e,
+/// 9.7). Light that would meet several facets is lost.
+#include "plugins/bsdfs/draw.h"
+#include "plugins/bsdfs/glass.h"
+#include "plugins/bsdfs/ior.h"
+#include "plugins/bsdfs/roughness.h"
+
+namespace lucerna {
+namespace {
+
+class RoughDielectric final : public BSDF {
+public:
+    explicit RoughDielectric(const Params& params)
+        : roughness_(params), glass_(params, relative_ior(params, "bk7")) {}
+
+    Lobe lobes() const override {
+        if (glass_.eta == 1) return Lobe::specular_transmission;
+        return roughness_.lobes(Lobe::glossy_reflection | Lobe::glossy_transmission,
+                                Lobe::specular_reflection | Lobe::specular_transmission);
+    }
+
+    BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
+                       TransportMode mode) const override {
+        const Microfacet facets = roughness_(at.uv);
+        if (wo.z * wi.z == 0 || smooth(facets)) return {};
+        return same_hemisphere(wo, wi) ? reflection(facets, at.uv, wo, wi)
+                                       : transmission(facets, at.uv, wo, wi, mode);
+    }
+
+    std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float u_lobe, Vector2 u,
+                                     TransportMode mode) const override {
+        if (wo.z == 0) return {};
+        const Microfacet facets = roughness_(at.uv);
+        if (smooth(facets)) return glass_.sample_smooth(at.uv, wo, u_lobe, mode);
+        const Vector3 m = facets.sample_visible_normal(wo, u);
+        if (u_lobe < fresnel_dielectric(glm::dot(wo, m), glass_.eta)) {
+            const Vector3 wi = reflect(wo, m);
+            if (!same_hemisphere(wo, wi)) return {};
+            return drawn(*this, at, wo, wi, mode, Lobe::glossy_reflection);
+        }
+        const std::optional<Refraction> refracted = refract(wo, m, glass_.eta);
+        if (!refracted || same_hemisphere(wo, refracted->direction)) return {};
+        return drawn(*this, at, wo, refracted->direction, mode, Lobe::glossy_transmission,
+                     refracted->eta);
+    }
+
+    Color albedo(const Interaction& at, Vector3 wo) const override {
+        return glass_.albedo(at.uv, wo.z);
+    }
+
+private:
+    bool smooth(const Microfacet& facets) const {
+        return glass_.eta == 1 || facets.effectively_smooth();
+    }
+
+    BSDFValue reflection(const Microfacet& facets, Vector2 uv, Vector3 wo, Vector3 wi) const {
+        const Vector3 sum = wo.z < 0 ? -(wo + wi) : wo + wi;
+        const float length = glm::length(sum);
+        // wo · m = wi · m is half the length: symmetric even where F is steep.
+        const float reflected = fresnel_dielectric(std::copysign(0.5f * length, wo.z), glass_.eta);
+        const float density = 0.25f * facets.D(sum / length) * reflected;
+        return {glass_.reflectance(uv) * (density * facets.visibility(wo, wi)),
+                density / facets.visible_area(wo)};
+    }
+
+    BSDFValue transmission(const Microfacet& facets, Vector2 uv, Vector3 wo, Vector3 wi,
+                           TransportMode mode) const {
+        const float there = relative_eta(wo.z, glass_.eta);
+        // In double: for nearly equal indices the sum almost vanishes.
+        const Vector3d sum = Vector3d(wi) * static_cast<double>(there) + Vector3d(wo);
+        const Vector3 m(glm::normalize(sum.z < 0 ? -sum : sum));
+        const float o = glm::dot(wo, m), i = glm::dot(wi, m);
+        // Facets must be seen from the side on which the direction lies.
+        if (!(o * wo.z > 0 && i * wi.z > 0)) return {};
+        const float density = facets.D(m) * std::abs(o * i) / sqr(i + o / there) *
+                              (1 - fresnel_dielectric(o, glass_.eta));
+        return {glass_.transmitted(uv, there, mode) * (density * facets.visibility(wo, wi)),
+                density / facets.visible_area(wo)};
+    }
+
+    Roughness roughness_;
+    Glass glass_;
+};
+
+}  // namespace
+
+const PluginInfo plugin = describe<RoughDielectric>("a rough transparent substance");
+
+}  // namespace lucerna

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+/// area: a surface that emits the same radiance in all directions, on the outside of its shape.
+///
+/// The power of a primitive is Φ = π A L. Light towards a point is sampled as the shape does it
+/// best (by solid angle), particles by area and cosine.
+#include "core/interfaces/emitter.h"
+#include "core/interfaces/shape.h"
+#include "core/math/rounding.h"
+#include "core/math/warp.h"
+
+namespace lucerna {
+
+namespace {
+
+class AreaEmitter final : public Emitter {
+public:
+    explicit AreaEmitter(const Params& params)
+        : radiance_(params.color_input("radiance", Color(1), non_negative,
+                                       "emitted radiance [W/(m² sr)]")) {
+        params.no_effect("sampling_weight", "lights are chosen by the light_sampler");
+    }
+
+    bool on_surface() const override { return true; }
+
+    Color radiance(const Interaction& at, Vector3 w) const override {
+        return glm::dot(at.n, w) > 0 ? radiance_(at.uv) : Color(0);
+    }
+
+    std::optional<LightSample> sample_li(const Light& light, const Receiver& from,
+                                         Vector2 u) const override {
+        const auto at = light.shape->sample_solid_angle(light.primitive, from, u);
+        if (!at) return {};
+        const Vector3 to_light = at->p - from.p;
+        const float distance = glm::length(to_light);
+        if (!(distance > 0)) return {};
+        const Vector3 wi = to_light / distance;
+        if (!(glm::dot(at->n, wi) < 0)) return {};
+        return LightSample{.wi = wi,
+                           .distance = distance,
+                           .radiance = radiance_(at->uv),
+                           .pdf = at->pdf,
+                           .p = at->p,
+                           .n = at->n,
+                           .error = at->error};
+    }
+
+    float pdf_li(const Light& light, const Receiver& from, Vector3 wi,
+                 const Interaction* hit) const override {
+        if (!hit || !(glm::dot(hit->n, wi) < 0)) return 0;
+        return light.shape->pdf_solid_angle(light.primitive, from, wi, *hit);
+    }
+
+    std::optional<EmissionSample> sample_emission(const Light& light, Vector2 u_position,
+                                                  Vector2 u_direction) const override {
+        const SurfaceSample at = light.shape->sample_area(light.primitive, u_position);
+        if (!(at.pdf > 0)) return {};
+        const Vector3 local = square_to_cosine_hemisphere(u_direction);
+        const Vector3 w = Frame::from_normal(at.n).to_world(local);
+        return EmissionSample{.ray = {.o = offset_ray_origin(at.p, at.error, at.n, w), .d = w},
+                              .power = radiance_(at.uv) * (pi / at.pdf),
+                              .pdf_position = at.pdf,
+                              .pdf_direction = square_to_cosine_hemisphere_pdf(local)};
+    }
+
+    LightBounds bounds(const Light& light) const override {
+        const auto [axis, cos_normals] = light.shape->normal_cone(light.primitive);
+        const double area = static_cast<double>(light.shape->area(light.primitive));
+        return {
+            .box = light.shape->primitive_bounds(light.primitive),
+            .axis = axis,
+            .cos_normals = cos_normals,
+            .cos_emission = 0,
+            .power = std::numbers::pi * area * static_cast<double>(luminance(radiance_.mean()))};
+    }
+
+private:
+    ColorInput radiance_;
+};
+
+}  // namespace
+
+const PluginInfo plugin = describe<AreaEmitter>("a diffuse emitter on the outside of a shape");
+
+}  // namespace lucerna

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+/// envmap: light from all around, given by a picture of the whole sphere.
+///
+/// The picture holds longitude and latitude: +y is its upper edge, −z its left and right edges, +x
+/// lies a quarter of the width from the left (Mitsuba's convention). Texels are interpolated
+/// bilinearly, across the left and right edges, too.
+///
+///   d(u, v) = (sin φ sin θ, cos θ, −cos φ sin θ),   φ = 2π u,   θ = π v
+///   pdf(d)  = p(u, v) / (2π² sin θ)                             (pbrt 4e, 12.5.2)
+///
+/// p is constant in each texel and proportional to the luminance that the interpolation has there
+/// on average, times sin θ: so it is positive wherever the light is.
+#include "plugins/emitters/scene_sphere.h"
+
+#include "core/image/color.h"
+#include "core/image/read_image.h"
+#include "core/interfaces/emitter.h"
+#include "core/math/distribution.h"
+#include "core/math/orientation.h"
+#include "core/math/sequences.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+
+namespace lucerna {
+
+namespace {
+
+/// A direction in the space of the map, with the place where it lies in the picture.
+struct MapPoint {
+    Vector2 uv;
+    float sin_theta;
+};
+
+MapPoint map_point(Vector3 d) {
+    const float sin_theta = std::sqrt(d.x * d.x + d.z * d.z);
+    const float u = std::atan2(d.x, -d.z) * (0.5f * inv_pi);
+    return {{u < 0 ? std::min(u + 1, one_minus_epsilon) : u, std::atan2(sin_theta, d.y) * inv_pi},
+            sin_theta};
+}
+
+Vector3 map_direction(Vector2 uv, float& sin_theta) {
+    const float phi = 2 * pi * uv.x;
+    sin_theta = std::sin(pi * std::min(uv.y, 1 - uv.y));
+    return {std::sin(phi) * sin_theta, std::cos(pi * uv.y), -std::cos(phi) * sin_theta};
+}
+
+/// A float has 24 random bits: too few where a sun leaves 10⁻⁶ of [0, 1) for the sky. Further bits
+/// are a hash of both numbers, so each still has its place.
+Vector2d with_more_bits(Vector2 u) {
+    const std::uint64_t h =
+        hash64({std::bit_cast<std::uint32_t>(u.x), std::bit_cast<std::uint32_t>(u.y)});
+    const Vector2d rest(uint_to_double(static_cast<std::uint32_t>(h)),
+                        uint_to_double(static_cast<std::uint32_t>(h >> 32)));
+    return Vector2d(u) + 0x1p-24 * rest;
+}
+
+class EnvironmentMap final : public Emitter {
+public:
+    explicit EnvironmentMap(const Params& params) {
+        const auto path = params.file("filename", "picture of the sphere, 2:1");
+        const float scale = params.real("scale", 1, non_negative, "factor of its radiance");
+        const Transform to_world = params.transform("to_world", "turns the map; +y is up in it");
+        params.no_effect("mis_compensation", "the map is sampled in proportion to its luminance");
+        params.no_effect("sampling_weight", "lights are chosen by the light_sampler");
+        const std::optional<Frame> frame = orientation(to_world);
+        if (!frame) params.error("to_world", "\"to_world\" of an envmap must not stretch space");
+        world_from_map_ = frame.value_or(Frame());
+
+        Image image = read_image(path);
+        ColorConfig().to_rendering(image);
+        const std::size_t bad = take_texels(image, scale);
+        if (bad > 0) {
+            params.warning("filename",
+                           fmt::format("{}: {} of {} texels are negative or not finite; they are "
+                                       "taken as 0",
+                                       path.string(), bad, texels_.size()));
+        }
+        build_table();
+    }
+
+    void prepare(const Scene& scene) override { sphere_ = SceneSphere(scene); }
+
+    bool infinite() const override { return true; }
+
+    Color environment(Vector3 d) const override {
+        return lookup(map_point(world_from_map_.to_local(d)).uv);
+    }
+
+    std::optional<LightSample> sample_li(const Light&, const Receiver&, Vector2 u) const override {
+        const auto [d, radiance, pdf] = sample_direction(u);
+        if (!(pdf > 0)) return {};
+        return LightSample{.wi = d, .distance = infinity, .radiance = radiance, .pdf = pdf};
+    }
+
+    float pdf_li(const Light&, const Receiver&, Vector3 wi, const Interaction*) const override {
+        const MapPoint at = map_point(world_from_map_.to_local(wi));
+        return at.sin_theta > 0 ? table_.pdf(at.uv) / (2 * pi * pi * at.sin_theta) : 0.0f;
+    }
+
+    std::optional<EmissionSample> sample_emission(const Light&, Vector2 u_position,
+                                                  Vector2 u_direction) const override {
+        const auto [d, radiance, pdf] = sample_direction(u_direction);
+        if (!(pdf > 0)) return {};
+        const float area = sphere_.cross_section();
+        return EmissionSample{.ray = {.o = sphere_.ray_origin(-d, u_position), .d = -d},
+                              .power = radiance * (area / pdf),
+                              .pdf_position = 1 / area,
+                              .pdf_direction = pdf};
+    }
+
+    LightBounds bounds(const Light&) const override {
+        return {.box = {}, .power = static_cast<double>(sphere_.cross_section()) * table_.total()};
+    }
+
+private:
+    struct DirectionSample {
+        Vector3 d{0};  ///< towards the light
+        Color radiance{0};
+        float pdf = 0;
+    };
+
+    DirectionSample sample_direction(Vector2 u) const {
+        const PiecewiseConstant2D::Sample at = table_.sample(with_more_bits(u));
+        float sin_theta = 0;
+        const Vector3 d = map_direction(at.p, sin_theta);
+        if (!(at.pdf > 0 && sin_theta > 0)) return {};
+        return {world_from_map_.to_world(d), lookup(at.p), at.pdf / (2 * pi * pi * sin_theta)};
+    }
+
+    /// Copies the colours; returns the number of texels that cannot be.
+    std::size_t take_texels(const Image& image, float scale) {
+        width_ = image.width;
+        height_ = image.height;
+        texels_.resize(image.pixel_count());
+        std::size_t bad = 0;
+        for (std::size_t i = 0; i < texels_.size(); ++i) {
+            const Color c = scale * image.rgb(i);
+            const bool good = is_finite(c) && min_component(c) >= 0;
+            texels_[i] = good ? c : Color(0);
+            bad += good ? 0 : 1;
+        }
+        return bad;
+    }
+
+    /// The weight of a texel is the flux through its solid angle of the interpolated map. The mean
+    /// of a linear interpolation over a texel is 1/8, 6/8, 1/8 of its neighbours and of itself.
+    void build_table() {
+        std::vector<float> weights(texels_.size());
+        const double step = std::numbers::pi / height_;
+        for (int y = 0; y < height_; ++y) {
+            const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
+            // cos θ₁ − cos θ₂ for the texel's upper and lower edge, times its width in φ.
+            const double solid_angle = 2 * std::sin((y + 0.5) * step) * std::sin(0.5 * step) *
+                                       (2 * std::numbers::pi / width_);
+            const auto column = [&](int x) {
+                return 0.125f * luminance(texel(x, above)) + 0.75f * luminance(texel(x, y)) +
+                       0.125f * luminance(texel(x, below));
+            };
+            for (int x = 0; x < width_; ++x) {
+                const int left = (x + width_ - 1) % width_, right = (x + 1) % width_;
+                const float mean =
+                    0.125f * column(left) + 0.75f * column(x) + 0.125f * column(right);
+                weights[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                        static_cast<std::size_t>(x)] =
+                    static_cast<float>(static_cast<double>(mean) * solid_angle);
+            }
+        }
+        table_ = PiecewiseConstant2D(weights, width_, height_);
+    }
+
+    Color texel(int x, int y) const {
+        return texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                       static_cast<std::size_t>(x)];
+    }
+
+    /// Bilinear; periodic in u, constant beyond the centres of the first and last rows.
+    Color lookup(Vector2 uv) const {
+        const float x = uv.x * static_cast<float>(width_) - 0.5f;
+        const float y = uv.y * static_cast<float>(height_) - 0.5f;
+        const float left = std::floor(x), above = std::floor(y);
+        const int x0 = left < 0 ? width_ - 1 : std::min(static_cast<int>(left), width_ - 1);
+        const int x1 = x0 + 1 < width_ ? x0 + 1 : 0;
+        const int y0 = std::clamp(static_cast<int>(above), 0, height_ - 1);
+        const int y1 = std::clamp(static_cast<int>(above) + 1, 0, height_ - 1);
+        const float s = x - left, t = y - above;
+        return (1 - t) * ((1 - s) * texel(x0, y0) + s * texel(x1, y0)) +
+               t * ((1 - s) * texel(x0, y1) + s * texel(x1, y1));
+    }
+
+    Frame world_from_map_;
+    int width_ = 0, height_ = 0;
+    std::vector<Color> texels_;
+    PiecewiseConstant2D table_;
+    SceneSphere sphere_;
+};
+
+}  // namespace
+
+const PluginInfo plugin = describe<EnvironmentMap>("a picture of the light all around");
+
+}  // namespace lucerna

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+/// point: light from one point, the same in all directions.
+///
+///   irradiance at distance d, facing the light: E = I / d²;   power: Φ = 4π I
+#include "core/interfaces/emitter.h"
+#include "core/math/transform.h"
+#include "core/math/warp.h"
+
+namespace lucerna {
+
+namespace {
+
+class PointEmitter final : public Emitter {
+public:
+    explicit PointEmitter(const Params& params)
+        : intensity_(params.rgb("intensity", Color(1), non_negative, "radiant intensity [W/sr]")) {
+        const Vector3 position = params.vector("position", Vector3(0), "where it is");
+        const Transform to_world =
+            params.transform("to_world", "instead of position: the point 0 is moved by it");
+        if (params.has("position") && params.has("to_world")) {
+            params.error("position", "give either position or to_world, not both");
+        }
+        position_ = to_world.point(position);
+        params.no_effect("sampling_weight", "lights are chosen by the light_sampler");
+    }
+
+    bool delta() const override { return true; }
+
+    std::optional<LightSample> sample_li(const Light&, const Receiver& from,
+                                         Vector2) const override {
+        const Vector3 to_light = position_ - from.p;
+        const float distance = glm::length(to_light);
+        const Color irradiance = intensity_ / (distance * distance);
+        if (!(distance > 0) || !is_finite(irradiance)) return {};
+        return LightSample{.wi = to_light / distance,
+                           .distance = distance,
+                           .radiance = irradiance,
+                           .pdf = 1,
+                           .delta = true,
+                           .p = position_};
+    }
+
+    float pdf_li(const Light&, const Receiver&, Vector3, const Interaction*) const override {
+        return 0;
+    }
+
+    std::optional<EmissionSample> sample_emission(const Light&, Vector2,
+                                                  Vector2 u_direction) const override {
+        const Vector3 w = square_to_uniform_sphere(u_direction);
+        return EmissionSample{.ray = {.o = position_, .d = w},
+                              .power = 4 * pi * intensity_,
+                              .pdf_position = 1,
+                              .pdf_direction = square_to_uniform_sphere_pdf(w)};
+    }
+
+    LightBounds bounds(const Light&) const override {
+        return {.box = {.min = position_, .max = position_},
+                .power = 4 * std::numbers::pi * static_cast<double>(luminance(intensity_))};
+    }
+
+private:
+    Color intensity_;
+    Vector3 position_{0};
+};
+
+}  // namespace
+
+const PluginInfo plugin = describe<PointEmitter>("light from a point");
+
+}  // namespace lucerna

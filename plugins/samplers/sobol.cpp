@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sobol: Owen-scrambled, shuffled Sobol' points, independently for every pair of dimensions.
+///
+/// Each aligned block of 2ᵏ samples has one point in every elementary interval of area 2⁻ᵏ, so
+/// powers of two are the best sample counts; any other is sound, too (Burley 2020, "Practical
+/// Hash-based Owen Scrambling"). Pairs are padded, not dimensions of one sequence: none is bad.
+#include "plugins/samplers/seeded.h"
+
+namespace lucerna {
+
+namespace {
+
+class SobolSampler final : public SeededSampler {
+public:
+    explicit SobolSampler(const Params& params) : SeededSampler(params) {}
+
+    float sample_1d(std::uint64_t sequence, std::uint64_t index,
+                    std::uint32_t dimension) const override {
+        return sobol_owen_1d(index, key(sequence, dimension));
+    }
+
+    Vector2 sample_2d(std::uint64_t sequence, std::uint64_t index,
+                      std::uint32_t dimension) const override {
+        return sobol_owen_2d(index, key(sequence, dimension));
+    }
+};
+
+}  // namespace
+
+const PluginInfo plugin = describe<SobolSampler>("Owen-scrambled Sobol' points");
+
+}  // namespace lucerna

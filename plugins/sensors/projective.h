@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the projective sensors share: clip planes, and the field of view.
+#pragma once
+
+#include "core/interfaces/sensor.h"
+#include "core/math/orientation.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace lucerna {
+
+class ProjectiveSensor : public Sensor {
+protected:
+    explicit ProjectiveSensor(const Params& params)
+        : Sensor(params),
+          near_clip_(params.real("near_clip", 1e-2, positive,
+                                 "depth below which nothing is seen [scene units]")),
+          far_clip_(params.real("far_clip", 1e4, positive,
+                                "depth beyond which nothing is seen [scene units]")) {
+        if (!(near_clip_ < far_clip_)) {
+            params.error("near_clip", fmt::format("near_clip is {:g}, but must be less than "
+                                                  "far_clip, which is {:g}",
+                                                  near_clip_, far_clip_));
+        }
+    }
+
+    /// The part of the line from `o` along the unit vector `d` between the clip planes, where each
+    /// unit of length gains the depth `cosine`.
+    Ray clipped(Vector3 o, Vector3 d, float cosine) const {
+        const float start = near_clip_ / cosine;
+        return {.o = o + start * d, .d = d, .tmax = far_clip_ / cosine - start};
+    }
+
+    float far_clip() const { return far_clip_; }
+
+private:
+    float near_clip_, far_clip_;
+};
+
+/// Half the width of the image at the depth 1, of a film of width / height = `aspect`: the
+/// parameters fov and fov_axis, or focal_length.
+inline double half_width_at_unit_depth(const Params& params, double aspect) {
+    enum class Axis { x, y, diagonal, smaller, larger };
+    const double fov = static_cast<double>(
+        params.real("fov", 46.7930, {.min = 0, .max = 180, .open_min = true, .open_max = true},
+                    "angle of view along fov_axis [degrees]; if not given, focal_length counts"));
+    Axis axis = params.choice<Axis>("fov_axis", Axis::x,
+                                    {{"x", Axis::x},
+                                     {"y", Axis::y},
+                                     {"diagonal", Axis::diagonal},
+                                     {"smaller", Axis::smaller},
+                                     {"larger", Axis::larger}},
+                                    "where fov is measured");
+    std::string length = params.string(
+        "focal_length", "50mm", "of a lens before 35 mm film, whose diagonal is the image's [mm]");
+
+    double half = std::tan(fov * std::numbers::pi / 360);
+    if (params.has("fov")) {
+        if (params.has("focal_length")) {
+            params.error("focal_length", "give either fov or focal_length, not both");
+        }
+    } else {
+        if (length.ends_with("mm")) length.resize(length.size() - 2);
+        double mm = 0;
+        const char* const end = length.data() + length.size();
+        const auto [stop, status] = std::from_chars(length.data(), end, mm);
+        if (status != std::errc() || stop != end || !(mm > 0) || !std::isfinite(mm)) {
+            params.error("focal_length",
+                         "focal_length must be a positive number of millimetres "
+                         "like \"50mm\"");
+            mm = 50;
+        }
+        half = std::hypot(36.0, 24.0) / (2 * mm);
+        axis = Axis::diagonal;
+    }
+    if (axis == Axis::smaller) axis = aspect > 1 ? Axis::y : Axis::x;
+    if (axis == Axis::larger) axis = aspect > 1 ? Axis::x : Axis::y;
+    if (axis == Axis::y) return half * aspect;
+    if (axis == Axis::diagonal) return half / std::hypot(1.0, 1 / aspect);
+    return half;
+}
+
+/// A camera that sees all lines through its centre: what `perspective` and `thinlens` share.
+class PerspectiveSensor : public ProjectiveSensor {
+protected:
+    explicit PerspectiveSensor(const Params& params) : ProjectiveSensor(params) {
+        const Vector2d size(film().size());
+        const double half_width = half_width_at_unit_depth(params, size.x / size.y);
+        const Vector2d principal(
+            static_cast<double>(params.real("principal_point_offset_x", 0, any_value,
+                                            "shift of the optical axis [widths of the film]")),
+            static_cast<double>(params.real("principal_point_offset_y", 0, any_value,
+                                            "shift of the optical axis [heights of the film]")));
+        const double pixel = 2 * half_width / size.x;
+        pixel_ = static_cast<float>(pixel);
+        // x to the left and y up: the upper left corner has the largest coordinates.
+        corner_ = Vector2(pixel * (0.5 - principal) * size);
+
+        const std::optional<Frame> axes = orientation(world_from_camera());
+        if (!axes) {
+            params.error("to_world", "\"to_world\" of a perspective sensor must not stretch space");
+        }
+        axes_ = axes.value_or(Frame());
+        origin_ = Vector3(world_from_camera().point(Vector3d(0)));
+    }
+
+    /// Where the film position [pixels] lies at the depth 1, in camera space.
+    Vector2 at_unit_depth(Vector2 position) const { return corner_ - pixel_ * position; }
+
+    Vector3 to_world(Vector3 direction) const { return axes_.to_world(direction); }
+    Vector3 origin() const { return origin_; }
+
+private:
+    float pixel_ = 0;    ///< side of a pixel at the depth 1
+    Vector2 corner_{0};  ///< upper left corner of the film at the depth 1
+    Frame axes_;
+    Vector3 origin_{0};
+};
+
+}  // namespace lucerna

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sphere: all points at the distance `radius` from `center`.
+///
+///   center        point      0 0 0   before to_world
+///   radius        float      1       > 0, before to_world
+///   to_world      transform          rotation, translation and uniform scale
+///   flip_normals  boolean    false   the normals point to the center
+///
+/// u is the angle around z, v grows from −z to z. Rays are met in double: far and huge spheres stay
+/// round. As a light it is sampled by the cone of directions to it (pbrt 4e, 6.2.4), from inside by
+/// area. A mirrored sphere keeps its outside; Mitsuba turns it inside out.
+#include "core/math/solid_angle.h"
+#include "core/math/warp.h"
+#include "plugins/shapes/analytic.h"
+
+namespace lucerna {
+namespace {
+
+class SphereShape final : public Shape {
+public:
+    explicit SphereShape(const Params& params) : Shape(params) {
+        const Vector3 center = params.vector("center", Vector3(0), "center, before to_world");
+        const double radius = params.real("radius", 1, positive, "radius, before to_world");
+        const double scale = uniform_scale(params, world_from_object());
+        center_ = world_from_object().point(center);
+        radius_ = static_cast<float>(scale * radius);
+        world_from_local_ = Matrix3d(world_from_object().matrix()) / scale;
+    }
+
+    Geometry geometry() const override { return AnalyticGeometry{bounds()}; }
+
+    Bounds3 bounds() const override {
+        const Vector3d c(center_), r(radius_);
+        return bounds_around(c - r, c + r);
+    }
+
+    std::optional<Hit> intersect(const Ray& ray) const override {
+        const std::optional<Roots> roots = meet(ray);
+        if (!roots) return {};
+        const auto t = static_cast<float>(roots->near >= 0 ? roots->near : roots->far);
+        if (!(t >= 0 && t <= ray.tmax)) return {};
+        return Hit{.t = t};
+    }
+
+    void fill(const Ray& ray, const Hit& hit, Interaction& at) const override {
+        const std::optional<Roots> roots = meet(ray);
+        const double t = roots ? roots->nearest(hit.t) : hit.t;
+        const Vector3d n =
+            glm::normalize(Vector3d(ray.o) + t * Vector3d(ray.d) - Vector3d(center_));
+        const SurfaceSample point = point_with_normal(n);
+        at.p = point.p;
+        at.error = point.error;
+        at.n = point.n;
+        at.uv = point.uv;
+        const Vector3d local = n * world_from_local_;
+        const double rho = std::hypot(local.x, local.y), r = radius_ * std::numbers::pi;
+        const Vector2d around = rho > 0 ? Vector2d(local) / rho : Vector2d(1, 0);
+        at.dpdu = Vector3(world_from_local_ * Vector3d(-2 * r * local.y, 2 * r * local.x, 0));
+        at.dpdv = Vector3(world_from_local_ * Vector3d(-r * local.z * around, r * rho));
+        at.shading = Frame::from_normal_tangent(at.n, at.dpdu);
+    }
+
+    float area(std::uint32_t) const override { return 4 * pi * radius_ * radius_; }
+
+    SurfaceSample sample_area(std::uint32_t, Vector2 u) const override {
+        SurfaceSample sample = point_with_normal(Vector3d(square_to_uniform_sphere(u)));
+        sample.pdf = 1 / area(0);
+        return sample;
+    }
+
+    std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,
+                                                    Vector2 u) const override {
+        const std::optional<SphereCone> cone = SphereCone::from(from.p, center_, radius_);
+        if (!cone) return Shape::sample_solid_angle(primitive, from, u);
+        SurfaceSample sample = point_with_normal(Vector3d(cone->sample(Vector2d(u)).normal));
+        sample.pdf = cone->pdf();
+        if (!std::isfinite(sample.pdf)) return {};
+        return sample;
+    }
+
+    float pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3 wi,
+                          const Interaction& hit) const override {
+        const std::optional<SphereCone> cone = SphereCone::from(from.p, center_, radius_);
+        if (!cone) return Shape::pdf_solid_angle(primitive, from, wi, hit);
+        return std::isfinite(cone->pdf()) ? cone->pdf() : 0.0f;
+    }
+
+private:
+    std::optional<Roots> meet(const Ray& ray) const {
+        return meet_round(Vector3d(ray.o) - Vector3d(center_), Vector3d(ray.d), radius_);
+    }
+
+    /// The point whose outward normal has the direction `n`, without a density.
+    SurfaceSample point_with_normal(Vector3d n) const {
+        n = glm::normalize(n);
+        const Vector3d local = n * world_from_local_;
+        const double above_south = std::atan2(std::hypot(local.x, local.y), -local.z);
+        const Vector3 p(Vector3d(center_) + static_cast<double>(radius_) * n);
+        return {
+            .p = p,
+            .n = Vector3(flip_normals() ? -n : n),
+            .uv = {turn_of(local.x, local.y), static_cast<float>(above_south / std::numbers::pi)},
+            .error = rounding_error(p, max_component(glm::abs(center_)) + radius_),
+            .pdf = 0};
+    }
+
+    Vector3 center_;
+    float radius_;
+    Matrix3d world_from_local_;  ///< a rotation, perhaps with a mirror: local is the unit sphere
+};
+
+}  // namespace
+
+const PluginInfo plugin = describe<SphereShape>("a sphere");
+
+}  // namespace lucerna

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Walks through a text file in memory, and knows its line when something is wrong.
+#pragma once
+
+#include "core/plugin/error.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace lucerna {
+
+class TextCursor {
+public:
+    /// `name` of the file, for messages.
+    TextCursor(std::span<const std::uint8_t> bytes, std::string name, int line = 1)
+        : at_(reinterpret_cast<const char*>(bytes.data())),
+          end_(at_ + bytes.size()),
+          name_(std::move(name)),
+          line_(line) {}
+
+    bool at_end() const { return at_ == end_; }
+    /// The next byte, or a line feed at the end of the file.
+    char peek() const { return at_ == end_ ? '\n' : *at_; }
+    std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
+
+    /// Spaces and tabs; carriage returns and a backslash at the end of a line, too.
+    void skip_blanks() {
+        for (; at_ != end_; ++at_) {
+            if (is_blank(*at_)) continue;
+            if (!continues_line()) return;
+            at_ += at_[1] == '\r' ? 2 : 1;
+            ++line_;
+        }
+    }
+    /// Blanks and line ends.
+    void skip_space() {
+        for (skip_blanks(); at_ != end_ && *at_ == '\n'; skip_blanks()) next_line();
+    }
+    /// To the start of the next line.
+    void next_line() {
+        while (at_ != end_ && *at_ != '\n') ++at_;
+        if (at_ == end_) return;
+        ++at_;
+        ++line_;
+    }
+    bool at_blank() const { return at_ == end_ || is_blank(*at_) || *at_ == '\n'; }
+    bool accept(char c) {
+        if (at_ == end_ || *at_ != c) return false;
+        ++at_;
+        return true;
+    }
+    /// Up to the next blank or line end; empty at the end of a line.
+    std::string_view word() {
+        skip_blanks();
+        const char* start = at_;
+        while (!at_blank()) ++at_;
+        return {start, static_cast<std::size_t>(at_ - start)};
+    }
+
+    /// A finite number, and nothing else up to the next blank. Throws Error.
+    double number(std::string_view what) {
+        skip_blanks();
+        const char* start = at_;
+        double value = 0;
+        parse(value, what, "a number");
+        if (!at_blank()) {
+            at_ = start;
+            complain(what, "a number");
+        }
+        if (!std::isfinite(value)) fail(fmt::format("{} is not finite", what));
+        return value;
+    }
+    /// A whole number; anything may follow. Throws Error.
+    std::int64_t integer(std::string_view what) {
+        skip_blanks();
+        std::int64_t value = 0;
+        parse(value, what, "a whole number");
+        return value;
+    }
+
+    /// Throws Error with file and line.
+    [[noreturn]] void fail(std::string_view message) const {
+        throw Error(fmt::format("{}:{}: {}", name_, line_, message));
+    }
+
+private:
+    static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+    bool continues_line() const {
+        if (*at_ != '\\') return false;
+        return (end_ - at_ >= 2 && at_[1] == '\n') ||
+               (end_ - at_ >= 3 && at_[1] == '\r' && at_[2] == '\n');
+    }
+
+    template <typename T>
+    void parse(T& value, std::string_view what, std::string_view kind) {
+        const char* start = at_;
+        if (end_ - at_ >= 2 && *at_ == '+' && at_[1] != '-') ++start;
+        const auto [stop, problem] = std::from_chars(start, end_, value);
+        if (problem == std::errc()) {
+            at_ = stop;
+            return;
+        }
+        complain(what, kind);
+    }
+
+    [[noreturn]] void complain(std::string_view what, std::string_view kind) {
+        fail(fmt::format("{} should be {}, not \"{}\"", what, kind, word().substr(0, 32)));
+    }
+
+    const char* at_;
+    const char* end_;
+    std::string name_;
+    int line_;
+};
+
+}  // namespace lucerna

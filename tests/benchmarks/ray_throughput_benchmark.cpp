@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How near the path tracer comes to what Embree allows: renders a diffuse city with `path`,
+/// records every ray, replays the very same rays through bare Embree calls on the same scene, and
+/// compares the rates; then renders on two threads.
+///
+///     ray_throughput_benchmark [rounds]
+///
+/// The program defines rtcIntersect1 and rtcOccluded1 itself, so that the calls of the core
+/// library pass through it: nothing in the renderer knows of the recording.
+#include "core/scene/builder.h"
+#include "core/scene/embree.h"
+#include "core/scene/xml_reader.h"
+#include "tests/benchmarks/diffuse_city.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+namespace {
+
+struct RecordedRay {
+    RTCRay ray;
+    bool occlusion;
+};
+
+std::vector<RecordedRay>* recording = nullptr;
+RTCScene recorded_scene = nullptr;
+
+void record(RTCScene scene, const RTCRay& ray, bool occlusion) {
+    if (!recording) return;
+    recorded_scene = scene;
+    recording->push_back({ray, occlusion});
+}
+
+template <typename Function>
+Function* embree_function(const char* name) {
+    return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+}  // namespace
+
+#if RTC_VERSION_MAJOR >= 4
+
+extern "C" void rtcIntersect1(RTCScene scene, RTCRayHit* ray, RTCIntersectArguments* arguments) {
+    static auto* const real =
+        embree_function<void(RTCScene, RTCRayHit*, RTCIntersectArguments*)>("rtcIntersect1");
+    record(scene, ray->ray, false);
+    real(scene, ray, arguments);
+}
+
+extern "C" void rtcOccluded1(RTCScene scene, RTCRay* ray, RTCOccludedArguments* arguments) {
+    static auto* const real =
+        embree_function<void(RTCScene, RTCRay*, RTCOccludedArguments*)>("rtcOccluded1");
+    record(scene, *ray, true);
+    real(scene, ray, arguments);
+}
+
+namespace {
+
+void bare_intersect(RTCScene scene, RTCRayHit* ray) { rtcIntersect1(scene, ray, nullptr); }
+void bare_occluded(RTCScene scene, RTCRay* ray) { rtcOccluded1(scene, ray, nullptr); }
+
+}  // namespace
+
+#else
+
+extern "C" void rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* ray) {
+    static auto* const real =
+        embree_function<void(RTCScene, RTCIntersectContext*, RTCRayHit*)>("rtcIntersect1");
+    record(scene, ray->ray, false);
+    real(scene, context, ray);
+}
+
+extern "C" void rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray) {
+    static auto* const real =
+        embree_function<void(RTCScene, RTCIntersectContext*, RTCRay*)>("rtcOccluded1");
+    record(scene, *ray, true);
+    real(scene, context, ray);
+}
+
+namespace {
+
+void bare_intersect(RTCScene scene, RTCRayHit* ray) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, ray);
+}
+
+void bare_occluded(RTCScene scene, RTCRay* ray) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, ray);
+}
+
+}  // namespace
+
+#endif
+
+namespace lucerna {
+
+namespace {
+
+constexpr std::uint64_t samples = 8;
+
+double replay_seconds(const std::vector<RecordedRay>& rays) {
+    const auto start = BenchmarkClock::now();
+    for (const RecordedRay& recorded : rays) {
+        if (recorded.occlusion) {
+            RTCRay ray = recorded.ray;
+            bare_occluded(recorded_scene, &ray);
+        } else {
+            RTCRayHit ray;
+            ray.ray = recorded.ray;
+            ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            bare_intersect(recorded_scene, &ray);
+        }
+    }
+    return seconds_since(start);
+}
+
+void run(int rounds) {
+    Diagnostics diagnostics;
+    const Description description = read_scene_text(diffuse_city(), "city", {}, diagnostics);
+    diagnostics.throw_if_errors();
+    Registry registry;
+    const auto scene = build_scene(description, registry, diagnostics);
+
+    std::vector<RecordedRay> rays;
+    rays.reserve(8'000'000);
+    recording = &rays;
+    render_seconds(*scene, 1, samples);
+    recording = nullptr;
+    const double millions = static_cast<double>(rays.size()) / 1e6;
+    fmt::print("{:.2f} million rays, {:.0f} % of them shadow rays\n", millions,
+               100.0 *
+                   static_cast<double>(std::count_if(rays.begin(), rays.end(),
+                                                     [](const auto& r) { return r.occlusion; })) /
+                   static_cast<double>(rays.size()));
+
+    // In turn, so that a machine whose speed drifts slows all of them.
+    std::vector<double> one, two, bare, share, scaling;
+    for (int i = 0; i < rounds; ++i) {
+        one.push_back(render_seconds(*scene, 1, samples));
+        bare.push_back(replay_seconds(rays));
+        two.push_back(render_seconds(*scene, 2, samples));
+        share.push_back(bare.back() / one.back());
+        scaling.push_back(one.back() / two.back());
+    }
+    fmt::print("bare Embree, 1 thread   {:6.2f} Mrays/s\n", millions / median(bare));
+    fmt::print("path, 1 thread          {:6.2f} Mrays/s   {:.0f} % of Embree\n",
+               millions / median(one), 100 * median(share));
+    fmt::print("path, 2 threads         {:6.2f} Mrays/s   {:.2f} x one thread\n",
+               millions / median(two), median(scaling));
+}
+
+}  // namespace
+
+}  // namespace lucerna
+
+int main(int argc, char** argv) {
+    try {
+        lucerna::run(argc > 1 ? std::max(1, std::atoi(argv[1])) : 5);
+        return 0;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "%s\n", e.what());
+        return 1;
+    }
+}

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/image/exr.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tests/core/image/damage.h"
+#include "tests/paths.h"
+
+namespace lucerna {
+namespace {
+
+ImageFile decode(const Bytes& bytes) { return decode_exr(bytes, "damaged.img"); }
+
+/// Beauty as half, a float layer, ids, all kinds of metadata, a crop.
+ImageFile everything(int width, int height) {
+    ImageFile file{.width = width, .height = height, .x = 3, .y = 5};
+    file.full_width = width + 10;
+    file.full_height = height + 20;
+    const std::size_t count = std::size_t(width) * std::size_t(height);
+    for (const char* name : {"R", "G", "B"}) {
+        std::vector<float> samples(count);
+        for (std::size_t i = 0; i < count; ++i) samples[i] = static_cast<float>(i % 64) / 8;
+        file.planes.push_back({name, std::move(samples), true});
+    }
+    std::vector<float> depth(count);
+    std::vector<std::uint32_t> ids(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        depth[i] = std::sqrt(static_cast<float>(i)) * 1e-7f;
+        ids[i] = 4000000000u + static_cast<std::uint32_t>(i * 2654435761u % 1000);
+    }
+    file.planes.push_back({"depth.Z", std::move(depth)});
+    file.planes.push_back({"id", std::move(ids)});
+    file.metadata["scene"] = std::string("<scene> ü\n");
+    file.metadata["samples"] = -17;
+    file.metadata["relative error"] = 0.1234567890123456;
+    file.metadata[std::string(200, 'n')] = 1;
+    return file;
+}
+
+void expect_equal(const ImageFile& a, const ImageFile& b) {
+    EXPECT_EQ(a.width, b.width);
+    EXPECT_EQ(a.height, b.height);
+    EXPECT_EQ(a.x, b.x);
+    EXPECT_EQ(a.y, b.y);
+    EXPECT_EQ(a.full_width, b.full_width);
+    EXPECT_EQ(a.full_height, b.full_height);
+    EXPECT_EQ(a.metadata, b.metadata);
+    ASSERT_EQ(a.planes.size(), b.planes.size());
+    for (const Plane& plane : a.planes) {
+        const Plane* other = b.plane(plane.name);
+        ASSERT_TRUE(other) << plane.name;
+        EXPECT_EQ(plane.half, other->half) << plane.name;
+        EXPECT_EQ(plane.samples, other->samples) << plane.name;
+    }
+}
+
+TEST(Exr, EverythingComesBack) {
+    for (const ExrCompression compression : {ExrCompression::zip, ExrCompression::piz}) {
+        const ImageFile written = everything(37, 29);
+        const ImageFile read = decode(bytes_of(encode_exr(written, compression)));
+        expect_equal(written, read);
+        ASSERT_TRUE(read.chromaticities);
+        EXPECT_NEAR(read.chromaticities->green.y, 0.6, 1e-6);
+    }
+}
+
+TEST(Exr, FileIsWrittenAndRead) {
+    const TemporaryFolder folder;
+    const ImageFile written = everything(8, 8);
+    EXPECT_EQ(write_exr(folder / "a.exr", written), 0u);
+    expect_equal(written, read_exr(folder / "a.exr"));
+}
+
+TEST(Exr, OwnChromaticitiesComeBack) {
+    ImageFile file = everything(2, 2);
+    file.chromaticities =
+        Chromaticities{{0.713, 0.293}, {0.165, 0.83}, {0.128, 0.044}, {0.32168, 0.33767}};
+    const ImageFile read = decode(bytes_of(encode_exr(file)));
+    ASSERT_TRUE(read.chromaticities);
+    EXPECT_NEAR(read.chromaticities->white.x, 0.32168, 1e-6);
+    EXPECT_NEAR(read.chromaticities->blue.y, 0.044, 1e-6);
+}
+
+TEST(Exr, HalfStaysFiniteAndTheClampedAreCounted) {
+    ImageFile file{.width = 6, .height = 1};
+    const float inf = std::numeric_limits<float>::infinity();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    file.planes.push_back({"R", std::vector<float>{65504, 65519, 70000, -1e30f, inf, nan}, true});
+    std::size_t clamped = 0;
+    const ImageFile read = decode(bytes_of(encode_exr(file, ExrCompression::zip, &clamped)));
+    EXPECT_EQ(clamped, 3u);
+    const auto& values = std::get<std::vector<float>>(read.planes[0].samples);
+    EXPECT_EQ(values[0], 65504);
+    EXPECT_EQ(values[1], 65504);
+    EXPECT_EQ(values[2], 65504);
+    EXPECT_EQ(values[3], -65504);
+    EXPECT_EQ(values[4], inf);  // what was not finite is not hidden
+    EXPECT_TRUE(std::isnan(values[5]));
+}
+
+TEST(Exr, RefusesEveryShortenedFile) {
+    const Bytes file = bytes_of(encode_exr(everything(5, 20)));
+    expect_prefixes_refused(file, [](const Bytes& b) { decode(b); });
+}
+
+TEST(Exr, SurvivesDamage) {
+    for (const ExrCompression compression : {ExrCompression::zip, ExrCompression::piz}) {
+        const Bytes file = bytes_of(encode_exr(everything(24, 24), compression));
+        const int refused = count_refused_mutants(file, [](const Bytes& b) { decode(b); });
+        EXPECT_GT(refused, 15);  // PIZ has no checksum
+        EXPECT_LT(refused, 200);
+    }
+}
+
+/// Overwrites what follows `key` with 32 bit numbers.
+Bytes patched(Bytes file, std::string_view key, std::size_t skip,
+              const std::vector<std::int32_t>& values) {
+    const auto at = std::search(file.begin(), file.end(), key.begin(), key.end());
+    EXPECT_NE(at, file.end()) << key;
+    std::memcpy(&*at + key.size() + skip, values.data(), 4 * values.size());
+    return file;
+}
+
+TEST(Exr, RefusesHugeSizesAtOnce) {
+    using namespace std::string_view_literals;
+    const Bytes file = bytes_of(encode_exr(everything(4, 4)));
+    for (const std::int32_t size : {60000, 100000, 1000000, std::numeric_limits<int>::max()}) {
+        Bytes huge = patched(file, "dataWindow\0box2i\0"sv, 4, {0, 0, size - 1, size - 1});
+        huge = patched(huge, "displayWindow\0box2i\0"sv, 4, {0, 0, size - 1, size - 1});
+        EXPECT_FALSE(file_error([&] { decode(huge); }).empty());
+    }
+    const Bytes inverted = patched(file, "dataWindow\0box2i\0"sv, 4, {5, 5, 1, 1});
+    EXPECT_FALSE(file_error([&] { decode(inverted); }).empty());
+}
+
+TEST(Exr, RefusesWhatIsNotFlatRgb) {
+    using namespace std::string_view_literals;
+    ImageFile chroma = everything(4, 4);
+    chroma.planes[0].name = "RY";
+    const Bytes luminance_chroma = bytes_of(encode_exr(chroma));
+    EXPECT_NE(file_error([&] { decode(luminance_chroma); }).find("save it as RGB"),
+              std::string::npos);
+
+    const Bytes file = bytes_of(encode_exr(everything(4, 4)));
+    // A channel: name, type, four bytes, sampling in x, sampling in y.
+    const Bytes subsampled = patched(file, "depth.Z\0"sv, 8, {2, 2});
+    EXPECT_FALSE(file_error([&] { decode(subsampled); }).empty());
+
+    Bytes deep = file;
+    deep[5] |= 0x08;
+    EXPECT_NE(file_error([&] { decode(deep); }).find("deep"), std::string::npos);
+    EXPECT_FALSE(file_error([&] { decode(bytes_of("\x76\x2f\x31\x01 garbage")); }).empty());
+}
+
+TEST(Exr, RefusesToWriteNonsense) {
+    const auto with = [](const std::function<void(ImageFile&)>& change) {
+        ImageFile file = everything(4, 4);
+        change(file);
+        return file;
+    };
+    EXPECT_THROW(encode_exr(with([](auto& f) { f.planes.clear(); })), Error);
+    EXPECT_THROW(encode_exr(with([](auto& f) { f.width = 0; })), Error);
+    EXPECT_THROW(encode_exr(with([](auto& f) { f.planes[1].name = "R"; })), Error);
+    EXPECT_THROW(encode_exr(with([](auto& f) { f.planes[1].samples = std::vector<float>(3); })),
+                 Error);
+    EXPECT_THROW(encode_exr(with([](auto& f) { f.metadata["compression"] = 1; })), Error);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/image/jpeg.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/image/damage.h"
+
+namespace lucerna {
+namespace {
+
+/// 16 x 16 pixels, progressive, quality 95: red 200 on the left and 20 on the right, green 40 above
+/// and 160 below, blue 90.
+const Bytes quarters = from_hex(
+    "ffd8ffe000104a46494600010100000100010000ffdb00430002010101010102010101020202020204030202"
+    "02020504040304060506060605060606070908060709070606080b08090a0a0a0a0a06080b0c0b0a0c090a0a"
+    "0affdb004301020202020202050303050a0706070a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a"
+    "0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0affc200110800100010030111000211010311"
+    "01ffc4001500010100000000000000000000000000000708ffc4001701010101010000000000000000000000"
+    "0008060307ffda000c030100021003100000013bcd3027784bbe0e7d404ef897ffc400141001000000000000"
+    "00000000000000000020ffda00080101000105021fffc40014110100000000000000000000000000000020ff"
+    "da0008010301013f011fffc40014110100000000000000000000000000000020ffda0008010201013f011fff"
+    "c40014100100000000000000000000000000000020ffda0008010100063f021fffc400141001000000000000"
+    "00000000000000000020ffda0008010100013f211fffda000c03010002000300000010000fffc40014110100"
+    "000000000000000000000000000020ffda0008010301013f101fffc400141101000000000000000000000000"
+    "00000020ffda0008010201013f101fffc40014100100000000000000000000000000000020ffda0008010100"
+    "013f101fffd9");
+
+Image decode(const Bytes& bytes) { return decode_jpeg(bytes, "damaged.img"); }
+
+TEST(Jpeg, ReadsColours) {
+    const Image image = decode(quarters);
+    ASSERT_EQ(image.width, 16);
+    ASSERT_EQ(image.height, 16);
+    EXPECT_EQ(image.channels, (std::vector<std::string>{"R", "G", "B"}));
+    EXPECT_TRUE(image.srgb_encoded);
+    const auto expect_near = [&](int x, int y, Color expected) {
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.rgb(x, y)[c] * 255, expected[c], 3) << x << y;
+    };
+    expect_near(2, 2, {200, 40, 90});
+    expect_near(13, 2, {20, 40, 90});
+    expect_near(2, 13, {200, 160, 90});
+    expect_near(13, 13, {20, 160, 90});
+}
+
+TEST(Jpeg, RefusesEveryShortenedFile) {
+    // The end marker itself may be missing: nothing is lost without it.
+    const Bytes body(quarters.begin(), quarters.end() - 4);
+    expect_prefixes_refused(body, [](const Bytes& b) { decode(b); });
+}
+
+TEST(Jpeg, SurvivesDamage) {
+    const int refused = count_refused_mutants(quarters, [](const Bytes& b) { decode(b); });
+    EXPECT_GT(refused, 20);
+    EXPECT_LT(refused, 200);
+}
+
+TEST(Jpeg, RefusesCmykWithARemedy) {
+    const Bytes cmyk = from_hex(
+        "ffd8ffee000e41646f626500640000000002ffc00014080008000804011100021101031101041100"
+        "ffda000e040100020003000400003f00");
+    EXPECT_NE(file_error([&] { decode(cmyk); }).find("convert it to RGB"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/image/png.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/image/damage.h"
+#include "tests/paths.h"
+
+namespace lucerna {
+namespace {
+
+Image decode(const Bytes& bytes) { return decode_png(bytes, "damaged.img"); }
+
+Image8 pattern(int width, int height, int channel_count) {
+    Image8 image{.width = width, .height = height, .channel_count = channel_count};
+    const int count = width * height * channel_count;
+    for (int i = 0; i < count; ++i) image.pixels.push_back(static_cast<std::uint8_t>(i * 37 + 11));
+    return image;
+}
+
+TEST(Png, EveryByteComesBack) {
+    for (const int channel_count : {3, 4}) {
+        const Image8 written = pattern(17, 9, channel_count);
+        const std::string bytes = encode_png(written);
+        EXPECT_NE(bytes.find("sRGB"), std::string::npos);
+        const Image read = decode(bytes_of(bytes));
+        ASSERT_EQ(read.width, 17);
+        ASSERT_EQ(read.height, 9);
+        ASSERT_EQ(read.channel_count(), static_cast<std::size_t>(channel_count));
+        EXPECT_TRUE(read.srgb_encoded);
+        for (std::size_t i = 0; i < written.pixels.size(); ++i) {
+            ASSERT_EQ(read.pixels[i], static_cast<float>(written.pixels[i]) / 255.0f) << i;
+        }
+    }
+}
+
+TEST(Png, FileIsWrittenAndRead) {
+    const TemporaryFolder folder;
+    write_png(folder / "a.png", pattern(3, 2, 3));
+    EXPECT_EQ(read_png(folder / "a.png").at(2, 1)[2],
+              static_cast<float>((17 * 37 + 11) & 255) / 255);
+}
+
+TEST(Png, SixteenBitsAreKept) {
+    const Image image = decode(from_hex(
+        "89504e470d0a1a0a0000000d494844520000000200000001100000000081d9fc150000000d49444154789c"
+        "636064faff1f00030c02021b01adb70000000049454e44ae426082"));
+    EXPECT_EQ(image.channels, std::vector<std::string>{"Y"});
+    EXPECT_EQ(image.pixels, (std::vector<float>{258.0f / 65535.0f, 1.0f}));
+}
+
+TEST(Png, PaletteAndTransparencyAreLookedUp) {
+    const Image image = decode(from_hex(
+        "89504e470d0a1a0a0000000d494844520000000200000002010300000048789f6700000006504c5445ff00"
+        "000080400cfccbd80000000274524e53ff335a67515c0000000c49444154789c637060680000014400c1"
+        "3a7a1c560000000049454e44ae426082"));
+    ASSERT_EQ(image.channels, (std::vector<std::string>{"R", "G", "B", "A"}));
+    EXPECT_EQ(image.rgb(0, 0), Color(1, 0, 0));
+    EXPECT_EQ(image.rgb(1, 0), Color(0, 128 / 255.0f, 64 / 255.0f));
+    EXPECT_EQ(image.at(1, 0)[3], 51 / 255.0f);
+    EXPECT_EQ(image.rgb(1, 1), Color(1, 0, 0));
+}
+
+TEST(Png, InterlacedRowsAreSorted) {
+    const Image image = decode(from_hex(
+        "89504e470d0a1a0a0000000d4948445200000002000000010800000001a64e10c00000000c49444154789c"
+        "633066f80f00019c0133f52b14c60000000049454e44ae426082"));
+    EXPECT_EQ(image.pixels, (std::vector<float>{0.2f, 1}));
+}
+
+TEST(Png, RefusesEveryShortenedFile) {
+    const Bytes file = bytes_of(encode_png(pattern(5, 4, 3)));
+    expect_prefixes_refused(file, [](const Bytes& b) { decode(b); });
+}
+
+TEST(Png, SurvivesDamage) {
+    const Bytes file = bytes_of(encode_png(pattern(8, 8, 4)));
+    // Checksums see nearly everything; what is left are changes after the pixels.
+    EXPECT_GT(count_refused_mutants(file, [](const Bytes& b) { decode(b); }), 150);
+}
+
+TEST(Png, RefusesSizesThatTheFileCannotHold) {
+    const Bytes huge = from_hex(
+        "89504e470d0a1a0a0000000d494844520000ea600000ea60080600000080d275420000000c494441547"
+        "89c6360a03d00000064000186643c350000000049454e44ae426082");
+    EXPECT_NE(file_error([&] { decode(huge); }).find("60000 x 60000"), std::string::npos);
+    const Bytes beyond = from_hex(
+        "89504e470d0a1a0a0000000d49484452000186a0000000010800000000781549090000000c494441547"
+        "89c6360a03d00000064000186643c350000000049454e44ae426082");
+    const std::string message = file_error([&] { decode(beyond); });
+    EXPECT_NE(message.find("limit"), std::string::npos) << message;
+}
+
+TEST(Png, RefusesToWriteNonsense) {
+    EXPECT_THROW(encode_png(Image8{}), Error);
+    Image8 short_of_a_byte = pattern(2, 2, 3);
+    short_of_a_byte.pixels.pop_back();
+    EXPECT_THROW(encode_png(short_of_a_byte), Error);
+    EXPECT_THROW(encode_png(pattern(2, 2, 2)), Error);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/image/read_image.h"
+
+#include <gtest/gtest.h>
+
+#include "core/image/atomic_file.h"
+#include "core/image/exr.h"
+#include "core/image/png.h"
+#include "tests/core/image/damage.h"
+#include "tests/paths.h"
+
+namespace lucerna {
+namespace {
+
+TEST(ReadImage, TheContentDecidesNotTheName) {
+    const TemporaryFolder folder;
+    Image pixel(1, 1);
+    pixel.set_rgb(0, 0, {0.25f, 2, -3});
+    ImageFile file;
+    add_layer(file, pixel);
+    write_exr(folder / "a.png", file);
+    write_png(folder / "b.exr", {.width = 1, .height = 1, .pixels = {255, 0, 51}});
+    write_file_atomically(folder / "c.jpg",
+                          std::string("#?RGBE\n\n-Y 1 +X 1\n\x03\x02\x01\x88", 23));
+
+    EXPECT_EQ(read_image(folder / "a.png").rgb(0, 0), Color(0.25f, 2, -3));
+    EXPECT_FALSE(read_image(folder / "a.png").srgb_encoded);
+    EXPECT_EQ(read_image(folder / "b.exr").rgb(0, 0), Color(1, 0, 0.2f));
+    EXPECT_TRUE(read_image(folder / "b.exr").srgb_encoded);
+    EXPECT_EQ(read_image(folder / "c.jpg").rgb(0, 0), Color(3, 2, 1));
+}
+
+TEST(ReadImage, SaysWhatIsWrong) {
+    const TemporaryFolder folder;
+    const auto message = [](const std::filesystem::path& path) {
+        const std::string text = file_error([&] { read_image(path); });
+        EXPECT_TRUE(text.starts_with(path.string())) << text;
+        return text;
+    };
+    write_file_atomically(folder / "text.png", "a text");
+    write_file_atomically(folder / "empty.png", "");
+    write_file_atomically(folder / "short.jpg", "\xff\xd8\xff");
+    ImageFile only_a_layer{.width = 1, .height = 1};
+    only_a_layer.planes.push_back({"albedo.R", std::vector<float>{1}});
+    write_exr(folder / "layer.exr", only_a_layer);
+
+    EXPECT_NE(message(folder / "text.png").find("convert it to OpenEXR"), std::string::npos);
+    EXPECT_NE(message(folder / "empty.png").find("is empty"), std::string::npos);
+    EXPECT_NE(message(folder / "short.jpg").find("it is damaged"), std::string::npos);
+    EXPECT_NE(message(folder / "layer.exr").find("albedo"), std::string::npos);
+    EXPECT_NE(message(folder / "none.exr").find("no such file"), std::string::npos);
+    EXPECT_NE(message(folder.path()).find("directory"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Any bytes, read as each kind of picture, end in an error message or in a picture.
+#include "core/image/exr.h"
+#include "core/image/hdr.h"
+#include "core/image/jpeg.h"
+#include "core/image/png.h"
+#include "core/plugin/error.h"
+
+#include <cstdint>
+#include <span>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const std::span<const std::uint8_t> bytes(data, size);
+    const auto attempt = [&](const auto& decode) {
+        try {
+            decode(bytes, "fuzz");
+        } catch (const lucerna::Error&) {
+            // The expected end.
+        }
+    };
+    attempt(lucerna::decode_png);
+    attempt(lucerna::decode_jpeg);
+    attempt(lucerna::decode_hdr);
+    attempt(lucerna::decode_exr);
+    return 0;
+}

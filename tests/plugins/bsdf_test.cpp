@@ -1,0 +1,633 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What every BSDF must satisfy, tried on all BSDF plugins that the registry finds, with defaults
+/// and with parameters that are hard. A new plugin is tested unasked; only if it cannot be made
+/// without a body does it need a line in `bodies`. D1, D3, … are cases of docs/hard_cases.md.
+#include "core/interfaces/bsdf.h"
+#include "core/image/png.h"
+#include "core/math/fresnel.h"
+#include "core/math/warp.h"
+#include "core/scene/builder.h"
+#include "core/scene/xml_reader.h"
+#include "tests/paths.h"
+#include "tests/statistics.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+
+namespace lucerna {
+namespace {
+
+constexpr std::array modes = {TransportMode::radiance, TransportMode::importance};
+
+/// Images that the bodies below refer to: a strongly tilted normal, and a slope.
+const TemporaryFolder& images() {
+    static const TemporaryFolder folder;
+    [[maybe_unused]] static const bool written = [] {
+        const auto rgb = [](int width, std::vector<std::uint8_t> pixels) {
+            const int height = static_cast<int>(pixels.size()) / (3 * width);
+            return Image8{.width = width, .height = height, .pixels = std::move(pixels)};
+        };
+        write_png(folder / "tilted.png", rgb(1, {200, 100, 200}));
+        write_png(folder / "slope.png",
+                  rgb(2, {0, 0, 0, 120, 120, 120, 60, 60, 60, 255, 255, 255}));
+        write_png(folder / "grey.png", rgb(1, {102, 102, 102}));
+        return true;
+    }();
+    return folder;
+}
+
+std::string image(const std::string& file, const std::string& name = "") {
+    return fmt::format(
+        "<texture type='bitmap' name='{}'><string name='filename' value='{}'/>"
+        "<boolean name='raw' value='true'/></texture>",
+        name, file);
+}
+std::string number(const std::string& name, double value) {
+    return fmt::format("<float name='{}' value='{}'/>", name, value);
+}
+std::string word(const std::string& name, const std::string& value) {
+    return fmt::format("<string name='{}' value='{}'/>", name, value);
+}
+std::string bsdf(const std::string& type, const std::string& body = "") {
+    return fmt::format("<bsdf type='{}'>{}</bsdf>", type, body);
+}
+std::string white(const std::string& name) {
+    return fmt::format("<rgb name='{}' value='1'/>", name);
+}
+std::string rough(const std::string& distribution, double alpha) {
+    return word("distribution", distribution) + number("alpha", alpha);
+}
+std::string rough(const std::string& distribution, double alpha_u, double alpha_v) {
+    return word("distribution", distribution) + number("alpha_u", alpha_u) +
+           number("alpha_v", alpha_v);
+}
+std::string ior(double inside, double outside = 1) {
+    return number("int_ior", inside) + number("ext_ior", outside);
+}
+
+/// What a plugin cannot be made without.
+const std::map<std::string, std::string> bodies = {
+    {"blendbsdf", bsdf("diffuse") + bsdf("roughconductor")},
+    {"bumpmap", image("slope.png") + bsdf("diffuse")},
+    {"mask", bsdf("diffuse")},
+    {"normalmap", image("tilted.png", "normalmap") + bsdf("diffuse")},
+    {"twosided", bsdf("diffuse")},
+};
+
+/// Parameters that are hard.
+std::vector<std::string> variants() {
+    std::vector<std::string> all;
+    for (const char* d : {"beckmann", "ggx"}) {
+        for (const double alpha : {0.02, 0.3, 1.0, 2.0}) {
+            all.push_back(bsdf("roughconductor", rough(d, alpha) + word("material", "Cu")));
+            all.push_back(bsdf("roughdielectric", rough(d, alpha) + ior(1.5)));
+        }
+        all.push_back(bsdf("roughconductor", rough(d, 0.01, 1)));
+        all.push_back(bsdf("roughdielectric", rough(d, 0.6, 0.03) + ior(1, 1.8)));
+        all.push_back(bsdf("roughdielectric", rough(d, 0.3) + ior(1.05)));
+        all.push_back(bsdf("roughplastic", rough(d, 0.03) + ior(1.5)));
+        all.push_back(bsdf("roughplastic", rough(d, 0.5) + ior(1.8) + white("diffuse_reflectance") +
+                                               "<boolean name='nonlinear' value='true'/>"));
+    }
+    all.push_back(bsdf("roughdielectric", number("alpha", 1e-4) + ior(1.5)));
+    all.push_back(bsdf("roughdielectric", number("alpha", 0.2) + ior(1)));
+    all.push_back(bsdf("roughdielectric", image("grey.png", "alpha") + ior(1.3)));
+    all.push_back(bsdf("roughplastic", number("alpha", 1e-4) + ior(1.5)));
+    all.push_back(bsdf("roughconductor", image("grey.png", "alpha_u")));
+    all.push_back(bsdf("dielectric", ior(1)));
+    all.push_back(bsdf("dielectric", ior(1, 1.5)));
+    all.push_back(bsdf("dielectric", ior(1.0001)));
+    all.push_back(bsdf("plastic", ior(1.8) + white("diffuse_reflectance")));
+    all.push_back(bsdf("plastic", ior(1, 1.5)));
+    all.push_back(bsdf("plastic", ior(1)));
+    all.push_back(bsdf("phong", number("exponent", 1000)));
+    all.push_back(bsdf("phong", number("exponent", 0) + white("specular_reflectance")));
+    all.push_back(bsdf("twosided", bsdf("diffuse") + bsdf("roughplastic")));
+    all.push_back(bsdf("twosided", bsdf("bumpmap", image("slope.png") + bsdf("roughconductor"))));
+    all.push_back(bsdf("blendbsdf", number("weight", 0.3) + bsdf("dielectric") + bsdf("plastic")));
+    all.push_back(bsdf("blendbsdf", number("weight", 0) + bsdf("diffuse") + bsdf("conductor")));
+    all.push_back(bsdf("blendbsdf", image("grey.png", "weight") +
+                                        bsdf("twosided", bsdf("roughconductor")) +
+                                        bsdf("roughdielectric", number("alpha", 0.4))));
+    all.push_back(bsdf("mask", image("grey.png", "opacity") + bsdf("twosided", bsdf("plastic"))));
+    all.push_back(bsdf("mask", number("opacity", 0) + bsdf("diffuse")));
+    all.push_back(bsdf("mask", number("opacity", 1) + bsdf("phong")));
+    for (const char* type : {"roughdielectric", "roughplastic", "conductor", "dielectric"}) {
+        all.push_back(bsdf("normalmap", image("tilted.png", "normalmap") + bsdf(type)));
+    }
+    all.push_back(bsdf("bumpmap", image("slope.png") + number("scale", -3) +
+                                      bsdf("normalmap", image("tilted.png") + bsdf("plastic"))));
+    return all;
+}
+
+/// BSDFs from text, and what they are made of.
+class Workshop {
+public:
+    const BSDF* make(const std::string& xml) {
+        const std::string name = (images().path() / "test.xml").string();
+        const Description description =
+            read_scene_text("<scene version='3.0.0'>" + xml + "</scene>", name, {}, diagnostics_);
+        diagnostics_.throw_if_errors();
+        const Element& element = *description.root->children.front().element;
+        const Object* object =
+            build_object(element, description, registry_, diagnostics_, objects_);
+        diagnostics_.throw_if_errors();
+        return static_cast<const BSDF*>(object);
+    }
+
+    Registry& registry() { return registry_; }
+
+private:
+    Registry registry_;
+    Diagnostics diagnostics_;
+    std::vector<std::unique_ptr<Object>> objects_;
+};
+
+/// The message with which a BSDF is refused; empty if it is not.
+std::string refusal(const std::string& xml) {
+    try {
+        Workshop().make(xml);
+        return "";
+    } catch (const SceneError& e) {
+        return e.what();
+    }
+}
+
+struct Case {
+    std::string xml;
+    const BSDF* bsdf;
+};
+
+class BSDFs : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        workshop = new Workshop;
+        std::vector<std::string> all;
+        for (const std::string& name : workshop->registry().names("bsdf")) {
+            const auto body = bodies.find(name);
+            all.push_back(bsdf(name, body == bodies.end() ? "" : body->second));
+        }
+        for (const std::string& xml : variants()) all.push_back(xml);
+        for (const std::string& xml : all) {
+            try {
+                cases.push_back({xml, workshop->make(xml)});
+            } catch (const Error& e) {
+                ADD_FAILURE() << xml << "\ncannot be made; if it needs nested objects or "
+                              << "parameters, add them to `bodies` in this file\n"
+                              << e.what();
+            }
+        }
+    }
+    static void TearDownTestSuite() {
+        cases.clear();
+        delete workshop;
+    }
+
+    static inline Workshop* workshop = nullptr;
+    static inline std::vector<Case> cases;
+};
+
+/// A point of a surface whose uv directions are neither orthogonal nor of unit length.
+Interaction surface() {
+    Interaction at;
+    at.uv = {0.4f, 0.45f};
+    at.dpdu = {1.2f, 0, 0};
+    at.dpdv = {0.2f, 0.8f, 0};
+    return at;
+}
+
+Vector3 direction(float cos_theta, float phi) {
+    const float sin_theta = safe_sqrt((1 - cos_theta) * (1 + cos_theta));
+    return {sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta};
+}
+
+/// From outside and inside, from steep to grazing.
+std::vector<Vector3> viewers() {
+    return {direction(1, 0),        direction(0.9f, 0.4f),   direction(0.5f, 2.3f),
+            direction(0.05f, 5.1f), direction(-0.03f, 4.0f), direction(-0.6f, 1.1f),
+            direction(-0.95f, 3.0f)};
+}
+
+/// A sample whose three numbers come from the generator, in a fixed order.
+std::optional<BSDFSample> draw(const BSDF& bsdf, const Interaction& at, Vector3 wo,
+                               TransportMode mode, Rng& rng) {
+    const float u_lobe = rng.next_float();
+    const Vector2 u = rng.next_float2();
+    return bsdf.sample(at, wo, u_lobe, u, mode);
+}
+
+/// Refers a weight to the power that goes along wi: radiance is denser in denser media.
+Color power(const BSDFSample& s, TransportMode mode) {
+    return s.weight * (mode == TransportMode::radiance ? sqr(s.eta) : 1.0f);
+}
+
+/// The mean of `channel` of the power per sample.
+RunningStatistics scattered(const BSDF& bsdf, Vector3 wo, TransportMode mode, int samples,
+                            int channel = 1) {
+    Rng rng(7);
+    RunningStatistics mean;
+    for (int i = 0; i < samples; ++i) {
+        const auto s = draw(bsdf, surface(), wo, mode, rng);
+        mean.add(s ? power(*s, mode)[channel] : 0.0f);
+    }
+    return mean;
+}
+
+testing::AssertionResult close(Color a, Color b, float tolerance) {
+    const float difference = max_component(glm::abs(a - b));
+    const float size = max_component(glm::max(glm::abs(a), glm::abs(b)));
+    if (difference <= tolerance * size + 1e-7f) return testing::AssertionSuccess();
+    return testing::AssertionFailure()
+           << fmt::format("({}, {}, {}) is not ({}, {}, {})", a.x, a.y, a.z, b.x, b.y, b.z);
+}
+
+TEST_F(BSDFs, every_plugin_is_found_and_can_be_made) {
+    EXPECT_GE(workshop->registry().names("bsdf").size(), 15u);
+    EXPECT_GE(cases.size(), 50u);
+}
+
+TEST_F(BSDFs, D11_D4_D18_D21_directions_follow_their_density) {
+    const std::array wos = {direction(0.8f, 0.4f), direction(0.06f, 2), direction(-0.6f, 4)};
+    SphereTest test{.theta_cells = 20, .phi_cells = 40, .samples = 100000};
+    test.tests = static_cast<double>(cases.size() * wos.size());
+    const Interaction at = surface();
+    for (const Case& c : cases) {
+        if (!any(c.bsdf->lobes() & smooth_lobes)) continue;
+        for (std::size_t i = 0; i < wos.size(); ++i) {
+            const Vector3 wo = wos[i];
+            const TransportMode mode = modes[i % 2];
+            Rng rng(11);
+            const auto sample = [&](Vector2 u) -> std::optional<Vector3> {
+                const auto s = c.bsdf->sample(at, wo, rng.next_float(), u, mode);
+                if (!s || s->specular()) return {};
+                return s->wi;
+            };
+            const auto pdf = [&](Vector3 wi) { return c.bsdf->evaluate(at, wo, wi, mode).pdf; };
+            EXPECT_TRUE(sampling_matches_pdf(sample, pdf, test)) << c.xml << " cos " << wo.z;
+        }
+    }
+}
+
+TEST_F(BSDFs, D11_weight_is_value_times_cosine_over_density) {
+    for (const Case& c : cases) {
+        Rng rng(3);
+        for (const Vector3 wo : viewers()) {
+            for (int i = 0; i < 200; ++i) {
+                const TransportMode mode = modes[static_cast<std::size_t>(i % 2)];
+                const auto s = draw(*c.bsdf, surface(), wo, mode, rng);
+                if (!s || s->specular()) continue;
+                const BSDFValue value = c.bsdf->evaluate(surface(), wo, s->wi, mode);
+                ASSERT_NEAR(value.pdf, s->pdf, 1e-4f * s->pdf) << c.xml;
+                ASSERT_TRUE(close(s->weight, value.f * (std::abs(s->wi.z) / s->pdf), 1e-4f))
+                    << c.xml;
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, samples_are_what_they_say) {
+    for (const Case& c : cases) {
+        Rng rng(4);
+        for (const Vector3 wo : viewers()) {
+            for (int i = 0; i < 200; ++i) {
+                const auto s = draw(*c.bsdf, surface(), wo, modes[0], rng);
+                if (!s) continue;
+                ASSERT_TRUE(any(s->lobe & c.bsdf->lobes())) << c.xml;
+                ASSERT_EQ(s->wi.z * wo.z < 0, any(s->lobe & transmission_lobes)) << c.xml;
+                ASSERT_NEAR(glm::length(s->wi), 1, 1e-5f) << c.xml;
+                ASSERT_GT(s->pdf, 0) << c.xml;
+                ASSERT_TRUE(is_finite(s->weight) && min_component(s->weight) >= 0) << c.xml;
+                const bool refracted =
+                    any(s->lobe & (Lobe::specular_transmission | Lobe::glossy_transmission));
+                ASSERT_TRUE(refracted || s->eta == 1) << c.xml;
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, D2_white_furnace_gains_no_energy) {
+    for (const Case& c : cases) {
+        // A perturbed normal makes particles brighter where it faces them more than the surface.
+        const bool perturbed = c.xml.find("map") != std::string::npos;
+        for (const TransportMode mode : modes) {
+            if (perturbed && mode == TransportMode::importance) continue;
+            for (const Vector3 wo : viewers()) {
+                for (int channel = 0; channel < 3; ++channel) {
+                    const RunningStatistics mean = scattered(*c.bsdf, wo, mode, 4000, channel);
+                    EXPECT_LE(mean.mean(), 1 + 4 * mean.standard_error() + 1e-3)
+                        << c.xml << " cos " << wo.z;
+                }
+                const Color albedo = c.bsdf->albedo(surface(), wo);
+                EXPECT_GE(min_component(albedo), 0) << c.xml;
+                EXPECT_LE(max_component(albedo), 1.001f) << c.xml;
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, D9_O13_lossless_surfaces_keep_all_energy) {
+    const std::string lossless[] = {
+        bsdf("dielectric"),
+        bsdf("dielectric", ior(1.5)),
+        bsdf("dielectric", ior(1, 2)),
+        bsdf("dielectric", ior(1)),
+        bsdf("thindielectric"),
+        bsdf("null"),
+        bsdf("mask", number("opacity", 0.4) + bsdf("dielectric")),
+        bsdf("roughdielectric", number("alpha", 5e-4)),
+        bsdf("twosided", bsdf("conductor", word("material", "none"))),
+        bsdf("twosided", bsdf("diffuse", white("reflectance"))),
+        bsdf("twosided", bsdf("plastic", ior(1.5) + white("diffuse_reflectance"))),
+        bsdf("twosided", bsdf("plastic", ior(2.5) + white("diffuse_reflectance") +
+                                             "<boolean name='nonlinear' value='true'/>")),
+    };
+    for (const std::string& xml : lossless) {
+        const BSDF& bsdf = *workshop->make(xml);
+        for (const TransportMode mode : modes) {
+            for (const Vector3 wo : viewers()) {
+                EXPECT_TRUE(equivalent(scattered(bsdf, wo, mode, 60000), 1, 0.002))
+                    << xml << " cos " << wo.z;
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, rough_plastic_with_white_base_keeps_all_energy) {
+    for (const char* distribution : {"beckmann", "ggx"}) {
+        for (const double alpha : {0.002, 0.1, 0.4, 1.0}) {
+            const std::string xml = bsdf("roughplastic", rough(distribution, alpha) + ior(1.5) +
+                                                             white("diffuse_reflectance"));
+            const BSDF& plastic = *workshop->make(xml);
+            for (const float cosine : {0.02f, 0.1f, 0.3f, 0.7f, 1.0f}) {
+                EXPECT_TRUE(equivalent(scattered(plastic, direction(cosine, 1), modes[0], 200000),
+                                       1, 0.005))
+                    << xml << " cos " << cosine;
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, D10_D15_importance_is_the_adjoint_of_radiance) {
+    const Interaction at = surface();
+    for (const Case& c : cases) {
+        Rng rng(5);
+        for (int i = 0; i < 2000; ++i) {
+            const Vector3 a = square_to_uniform_sphere(rng.next_float2());
+            Vector3 b = square_to_uniform_sphere(rng.next_float2());
+            if (i % 2 == 0) {
+                const auto s = draw(*c.bsdf, at, a, modes[0], rng);
+                if (s) b = s->wi;
+            }
+            // Closer to the plane float directions do not determine the half vector.
+            if (std::min(std::abs(a.z), std::abs(b.z)) < 1e-3f) continue;
+            const Color radiance = c.bsdf->evaluate(at, a, b, TransportMode::radiance).f;
+            const Color importance = c.bsdf->evaluate(at, b, a, TransportMode::importance).f;
+            ASSERT_TRUE(close(radiance, importance, 1e-3f)) << c.xml;
+            const Color reverse = c.bsdf->evaluate(at, b, a, TransportMode::radiance).f;
+            if (a.z * b.z > 0 && c.xml.find("map") == std::string::npos) {
+                ASSERT_TRUE(close(radiance, reverse, 1e-5f)) << c.xml;
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, D10_refraction_is_reciprocal_but_for_eta_squared) {
+    const BSDF& glass = *workshop->make(bsdf("roughdielectric", rough("ggx", 0.3) + ior(1.5)));
+    const Interaction at = surface();
+    Rng rng(6);
+    for (int i = 0; i < 10000; ++i) {
+        const Vector3 outside = square_to_uniform_hemisphere(rng.next_float2());
+        const Vector3 inside = -square_to_uniform_hemisphere(rng.next_float2());
+        const Color in = glass.evaluate(at, outside, inside, TransportMode::radiance).f;
+        const Color out = glass.evaluate(at, inside, outside, TransportMode::radiance).f;
+        ASSERT_TRUE(close(in * sqr(1.5f), out, 1e-4f)) << outside.z << ' ' << inside.z;
+    }
+}
+
+TEST_F(BSDFs, D12_density_is_positive_where_the_value_is) {
+    for (const Case& c : cases) {
+        Rng rng(8);
+        for (int i = 0; i < 4000; ++i) {
+            const Vector3 a = square_to_uniform_sphere(rng.next_float2());
+            const Vector3 b = square_to_uniform_sphere(rng.next_float2());
+            const TransportMode mode = modes[static_cast<std::size_t>(i % 2)];
+            const BSDFValue value = c.bsdf->evaluate(surface(), a, b, mode);
+            ASSERT_TRUE(is_black(value.f) || value.pdf > 0) << c.xml;
+        }
+    }
+}
+
+TEST_F(BSDFs, D3_directions_in_the_plane_are_finite) {
+    const std::array cosines = {0.0f,  1e-30f, -1e-30f, 1e-7f, -1e-7f, 1e-6f, -1e-6f,
+                                1e-3f, -1e-3f, 0.5f,    -0.5f, 1.0f,   -1.0f};
+    for (const Case& c : cases) {
+        Rng rng(9);
+        for (const float o : cosines) {
+            for (const float i : cosines) {
+                const Vector3 wo = direction(o, 2 * pi * rng.next_float());
+                for (const float turn : {0.0f, pi, 1.0f}) {
+                    const Vector3 wi = direction(i, std::atan2(wo.y, wo.x) + turn);
+                    const BSDFValue v = c.bsdf->evaluate(surface(), wo, wi, modes[0]);
+                    ASSERT_TRUE(is_finite(v.f) && min_component(v.f) >= 0) << c.xml;
+                    ASSERT_TRUE(std::isfinite(v.pdf) && v.pdf >= 0) << c.xml;
+                    ASSERT_TRUE(is_black(v.f) || (o != 0 && i != 0)) << c.xml;
+                }
+            }
+            for (int k = 0; k < 200; ++k) {
+                const Vector3 wo = direction(o, 2 * pi * rng.next_float());
+                const TransportMode mode = modes[static_cast<std::size_t>(k % 2)];
+                const auto s = draw(*c.bsdf, surface(), wo, mode, rng);
+                if (!s) continue;
+                ASSERT_TRUE(is_finite(s->wi) && is_finite(s->weight)) << c.xml << " cos " << o;
+                ASSERT_TRUE(std::isfinite(s->pdf) && s->pdf > 0) << c.xml << " cos " << o;
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, extreme_random_numbers_are_finite) {
+    for (const Case& c : cases) {
+        for (const Vector3 wo : viewers()) {
+            for (int i = 0; i < 64; ++i) {
+                const auto u = [&](int digit) {
+                    constexpr std::array values = {0.0f, 0x1p-24f, 0.5f, one_minus_epsilon};
+                    return values[static_cast<std::size_t>(i >> (2 * digit) & 3)];
+                };
+                const auto s = c.bsdf->sample(surface(), wo, u(0), {u(1), u(2)}, modes[0]);
+                if (!s) continue;
+                ASSERT_TRUE(is_finite(s->wi) && is_finite(s->weight) && s->pdf > 0) << c.xml;
+                ASSERT_TRUE(std::isfinite(s->pdf)) << c.xml;
+            }
+        }
+    }
+}
+
+/// A rough surface, and what it becomes for alpha → 0.
+struct Limit {
+    std::string rough, smooth, body;
+};
+const Limit limits[] = {
+    {"roughconductor", "conductor", word("material", "Au")},
+    {"roughdielectric", "dielectric", ior(1.5)},
+    {"roughplastic", "plastic", ior(1.5)},
+};
+
+TEST_F(BSDFs, D1_tiny_alpha_is_exactly_smooth) {
+    for (const Limit& limit : limits) {
+        const BSDF& smooth = *workshop->make(bsdf(limit.smooth, limit.body));
+        const BSDF& rough = *workshop->make(bsdf(limit.rough, limit.body + number("alpha", 9e-4)));
+        EXPECT_EQ(rough.lobes(), smooth.lobes());
+        for (const Vector3 wo : viewers()) {
+            Rng a(1), b(1);
+            for (int i = 0; i < 100; ++i) {
+                const auto s = draw(rough, surface(), wo, modes[0], a);
+                const auto t = draw(smooth, surface(), wo, modes[0], b);
+                ASSERT_EQ(s.has_value(), t.has_value());
+                if (!s) continue;
+                ASSERT_EQ(s->wi, t->wi);
+                ASSERT_EQ(s->weight, t->weight);
+                ASSERT_EQ(s->pdf, t->pdf);
+                ASSERT_EQ(s->lobe, t->lobe);
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, D1_small_alpha_approaches_smooth) {
+    for (const Limit& limit : limits) {
+        const BSDF& smooth = *workshop->make(bsdf(limit.smooth, limit.body));
+        for (const char* distribution : {"beckmann", "ggx"}) {
+            for (const double alpha : {1e-3, 3e-3, 1e-2}) {
+                const std::string xml = bsdf(limit.rough, limit.body + rough(distribution, alpha));
+                const BSDF& rough = *workshop->make(xml);
+                for (const float cosine : {1.0f, 0.7f, 0.4f}) {
+                    const Vector3 wo = direction(cosine, 1);
+                    const double expected = scattered(smooth, wo, modes[1], 100000).mean();
+                    const double mean = scattered(rough, wo, modes[1], 100000).mean();
+                    EXPECT_NEAR(mean, expected, 0.005 * expected) << xml << " cos " << cosine;
+                }
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, D5_D6_critical_angle_and_total_reflection) {
+    const BSDF& glass = *workshop->make(bsdf("dielectric", ior(1.5)));
+    const float critical = std::sqrt(1 - 1 / sqr(1.5f));
+    for (const float step : {1e-6f, 1e-4f, 1e-2f, 0.3f}) {
+        for (const float u_lobe : {0.0f, 0.5f, one_minus_epsilon}) {
+            const Vector3 wo = direction(-(critical - step), 0.3f);
+            const auto s = glass.sample(surface(), wo, u_lobe, {0.5f, 0.5f}, modes[0]);
+            ASSERT_TRUE(s.has_value());
+            EXPECT_EQ(s->wi, reflect(wo));
+            EXPECT_EQ(s->weight, Color(1));
+            EXPECT_EQ(s->pdf, 1);
+        }
+        const Vector3 wo = direction(-std::min(critical + step, 1.0f), 0.3f);
+        const auto s = glass.sample(surface(), wo, one_minus_epsilon, {0.5f, 0.5f}, modes[0]);
+        ASSERT_TRUE(s.has_value());
+        EXPECT_EQ(s->lobe, Lobe::specular_transmission);
+        EXPECT_NEAR(s->pdf, 1 - fresnel_dielectric(wo.z, 1.5f), 1e-6f);
+        EXPECT_NEAR(glm::length(Vector2(s->wi)), 1.5f * glm::length(Vector2(wo)), 1e-5f);
+    }
+}
+
+TEST_F(BSDFs, D7_equal_indices_are_invisible) {
+    for (const char* type : {"dielectric", "thindielectric", "roughdielectric"}) {
+        const BSDF& glass = *workshop->make(bsdf(type, ior(1.5, 1.5)));
+        for (const float cosine : {1.0f, 0.3f, 1e-4f, -1e-6f, -0.8f}) {
+            for (const float u_lobe : {0.0f, 0.5f, one_minus_epsilon}) {
+                const Vector3 wo = direction(cosine, 2);
+                const auto s = glass.sample(surface(), wo, u_lobe, {0.5f, 0.5f}, modes[0]);
+                ASSERT_TRUE(s.has_value()) << type;
+                EXPECT_EQ(s->wi, -wo) << type;
+                EXPECT_EQ(s->weight, Color(1)) << type;
+                EXPECT_EQ(s->eta, 1) << type;
+            }
+        }
+    }
+}
+
+TEST_F(BSDFs, D14_normals_turned_away_are_not_black) {
+    for (const char* type : {"normalmap", "bumpmap"}) {
+        const BSDF& bsdf = *workshop->make(lucerna::bsdf(type, bodies.at(type)));
+        for (int i = 0; i < 64; ++i) {
+            const Vector3 wo = direction(0.05f, 2 * pi * static_cast<float>(i) / 64);
+            const double mean = scattered(bsdf, wo, TransportMode::radiance, 4000).mean();
+            EXPECT_GT(mean, 0.25) << type << " at " << i;
+        }
+    }
+}
+
+TEST_F(BSDFs, flat_maps_change_nothing) {
+    const BSDF& diffuse = *workshop->make(bsdf("roughplastic"));
+    const BSDF& bumped = *workshop->make(
+        bsdf("bumpmap", number("scale", 0) + image("slope.png") + bsdf("roughplastic")));
+    Rng rng(12);
+    for (int i = 0; i < 1000; ++i) {
+        const Vector3 a = square_to_uniform_sphere(rng.next_float2());
+        const Vector3 b = square_to_uniform_sphere(rng.next_float2());
+        for (const TransportMode mode : modes) {
+            const BSDFValue x = diffuse.evaluate(surface(), a, b, mode);
+            const BSDFValue y = bumped.evaluate(surface(), a, b, mode);
+            ASSERT_TRUE(close(x.f, y.f, 1e-5f));
+            ASSERT_NEAR(x.pdf, y.pdf, 1e-5f * x.pdf);
+        }
+    }
+}
+
+TEST_F(BSDFs, bumped_matte_surface_is_lit_by_its_perturbed_cosine) {
+    const BSDF& bumped = *workshop->make(bsdf("bumpmap", bodies.at("bumpmap")));
+    const Vector3 wo(0, 0, 1), left = direction(0.7f, pi), right = direction(0.7f, 0);
+    const float from_left = bumped.evaluate(surface(), wo, left, modes[0]).f.y;
+    const float from_right = bumped.evaluate(surface(), wo, right, modes[0]).f.y;
+    // The surface rises with u, so it faces −x.
+    EXPECT_GT(from_left, 1.2f * from_right);
+}
+
+TEST_F(BSDFs, D19_reflectance_above_one_is_refused) {
+    EXPECT_NE(refusal(bsdf("diffuse", "<rgb name='reflectance' value='1.5'/>")), "");
+    EXPECT_NE(refusal(bsdf("diffuse", "<rgb name='reflectance' value='-1 0 0'/>")), "");
+    EXPECT_NE(refusal(bsdf("mask", number("opacity", 2) + bsdf("diffuse"))), "");
+    EXPECT_NE(refusal(bsdf("roughconductor", number("alpha", -0.1))), "");
+    EXPECT_NE(refusal(bsdf("dielectric", number("int_ior", 0))), "");
+}
+
+TEST_F(BSDFs, D20_two_sided_glass_is_refused) {
+    for (const char* type : {"dielectric", "roughdielectric", "thindielectric", "null"}) {
+        const std::string message = refusal(bsdf("twosided", bsdf(type)));
+        EXPECT_NE(message.find("transmits light"), std::string::npos) << message;
+    }
+    EXPECT_NE(refusal(bsdf("twosided", bsdf("diffuse") + bsdf("mask", bsdf("diffuse")))), "");
+    EXPECT_NE(refusal(bsdf("twosided")), "");
+    EXPECT_NE(refusal(bsdf("blendbsdf", bsdf("diffuse"))), "");
+}
+
+TEST_F(BSDFs, materials_are_known_by_name) {
+    const BSDF& named =
+        *workshop->make(bsdf("dielectric", word("int_ior", "Water") + word("ext_ior", "vacuum")));
+    const BSDF& numbered = *workshop->make(bsdf("dielectric", ior(1.333)));
+    const Vector3 wo = direction(0.3f, 1);
+    EXPECT_EQ(named.albedo(surface(), wo), numbered.albedo(surface(), wo));
+    const auto a = named.sample(surface(), wo, 0, {0, 0}, modes[0]);
+    const auto b = numbered.sample(surface(), wo, 0, {0, 0}, modes[0]);
+    EXPECT_EQ(a->pdf, b->pdf);
+
+    std::string message = refusal(bsdf("dielectric", word("int_ior", "diamont")));
+    EXPECT_NE(message.find("did you mean \"diamond\"?"), std::string::npos) << message;
+    message = refusal(bsdf("conductor", word("material", "Goldd")));
+    EXPECT_NE(message.find("there are: "), std::string::npos) << message;
+    EXPECT_NE(refusal(bsdf("roughconductor", number("alpha", 0.1) + number("alpha_u", 0.1))), "");
+
+    // Gold: more red than blue; η and k replace what the name says.
+    const BSDF& gold = *workshop->make(bsdf("conductor", word("material", "Au")));
+    EXPECT_GT(gold.albedo(surface(), wo).x, 1.5f * gold.albedo(surface(), Vector3(0, 0, 1)).z);
+    const BSDF& grey = *workshop->make(
+        bsdf("conductor", word("material", "Au") + number("eta", 1.5) + number("k", 0)));
+    EXPECT_TRUE(close(grey.albedo(surface(), wo), Color(fresnel_dielectric(0.3f, 1.5f)), 1e-5f));
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What every sampler must satisfy, tried on all that the registry finds.
+#include "core/interfaces/sampler.h"
+#include "plugins/samplers/seeded.h"
+#include "tests/plugins/workshop.h"
+#include "tests/statistics.h"
+
+#include <set>
+
+namespace lucerna {
+namespace {
+
+constexpr int sample_count = 64;  // a square and a power of two: no sampler changes it
+
+std::string sampler(const std::string& type, const std::string& body) {
+    return fmt::format("<sampler type='{}'>{}</sampler>", type, body);
+}
+
+class Samplers : public testing::Test {
+protected:
+    void SetUp() override {
+        for (const std::string& name : workshop_.registry().names("sampler")) {
+            samplers_.emplace_back(name, &make(name));
+        }
+    }
+
+    const Sampler& make(const std::string& name, int samples = sample_count, int seed = 0) {
+        return workshop_.make<Sampler>(
+            sampler(name, whole("sample_count", samples) + whole("seed", seed)));
+    }
+
+    Workshop workshop_;
+    std::vector<std::pair<std::string, const Sampler*>> samplers_;
+};
+
+/// χ² of points in [0, 1)² over a grid of cells.
+class Grid {
+public:
+    explicit Grid(int side)
+        : side_(side), counts_(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)) {}
+
+    std::size_t cell(Vector2 p) const {
+        const auto at = [&](float x) { return static_cast<std::size_t>(x * float(side_)); };
+        return at(p.y) * static_cast<std::size_t>(side_) + at(p.x);
+    }
+    void add(Vector2 p) {
+        ++counts_[cell(p)];
+        ++total_;
+    }
+    testing::AssertionResult uniform(double significance) const {
+        const std::vector<double> expected(counts_.size(),
+                                           total_ / static_cast<double>(counts_.size()));
+        return counts_match(counts_, expected, significance);
+    }
+    /// Every cell holds the same number of points.
+    bool equal() const {
+        return std::all_of(counts_.begin(), counts_.end(),
+                           [&](double n) { return n == counts_.front(); });
+    }
+
+private:
+    int side_;
+    std::vector<double> counts_;
+    double total_ = 0;
+};
+
+double correlation(const std::vector<double>& a, const std::vector<double>& b) {
+    RunningStatistics x, y;
+    for (const double v : a) x.add(v);
+    for (const double v : b) y.add(v);
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - x.mean()) * (b[i] - y.mean());
+    return sum / (static_cast<double>(a.size() - 1) * std::sqrt(x.variance() * y.variance()));
+}
+
+TEST_F(Samplers, J1_J2_J5_J7_NumbersLieInTheHalfOpenInterval) {
+    EXPECT_GE(samplers_.size(), 4u);
+    constexpr std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
+    for (const auto& [name, s] : samplers_) {
+        SCOPED_TRACE(name);
+        EXPECT_EQ(s->sample_count(), sample_count);
+        for (const std::uint64_t sequence : {std::uint64_t{0}, std::uint64_t{1}, last}) {
+            for (const std::uint64_t start :
+                 {std::uint64_t{0}, (std::uint64_t{1} << 32) - 100, std::uint64_t{1} << 63,
+                  last - 199}) {
+                for (std::uint64_t i = start; i - start < 200; ++i) {
+                    for (const std::uint32_t d : {0u, 1u, 1023u, 1024u, 2047u, 0xfffffffeu}) {
+                        const float x = s->sample_1d(sequence, i, d);
+                        const Vector2 p = s->sample_2d(sequence, i, d);
+                        ASSERT_TRUE(x >= 0 && x < 1) << x;
+                        ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST_F(Samplers, J7_AnIndexAboveTheLargestIntegerIsAnotherSample) {
+    constexpr std::uint64_t above = std::uint64_t{1} << 32;
+    for (const auto& [name, s] : samplers_) {
+        SCOPED_TRACE(name);
+        int equal = 0;
+        std::set<float> seen;
+        for (std::uint64_t i = 0; i < 256; ++i) {
+            equal += s->sample_1d(1, i, 3) == s->sample_1d(1, above + i, 3);
+            seen.insert(s->sample_1d(1, above - 128 + i, 3));
+        }
+        EXPECT_LE(equal, 1);
+        EXPECT_GE(seen.size(), 255u);
+    }
+}
+
+TEST_F(Samplers, ArePureFunctions) {
+    for (const auto& [name, s] : samplers_) {
+        SCOPED_TRACE(name);
+        const Sampler& again = make(name);
+        for (std::uint64_t i = 0; i < 1000; ++i) {
+            EXPECT_EQ(s->sample_2d(7, i, 4), again.sample_2d(7, i, 4));
+        }
+    }
+}
+
+TEST_F(Samplers, AreUniformOverSequences) {
+    for (const auto& [name, s] : samplers_) {
+        SCOPED_TRACE(name);
+        for (const std::uint64_t index : {0u, 1u, 37u, 1000u}) {
+            Grid pairs(16), singles(16);
+            for (std::uint64_t sequence = 0; sequence < 30000; ++sequence) {
+                pairs.add(s->sample_2d(sequence, index, 2));
+                const float x = s->sample_1d(sequence, index, 5);
+                const float y = s->sample_1d(sequence, index, 6);
+                singles.add({x, y});
+            }
+            EXPECT_TRUE(pairs.uniform(sidak(1e-2, 40)));
+            EXPECT_TRUE(singles.uniform(sidak(1e-2, 40)));
+        }
+    }
+}
+
+TEST_F(Samplers, J3_J4_SequencesAndSeedsAreIndependent) {
+    constexpr std::size_t n = 20000;
+    for (const auto& [name, s] : samplers_) {
+        SCOPED_TRACE(name);
+        const Sampler& other_seed = make(name, sample_count, 1);
+        std::vector<double> first, next, seeded, far;
+        for (std::uint64_t i = 0; i < n; ++i) {
+            // Over sequences, not indices: within one the samples are meant to depend.
+            first.push_back(static_cast<double>(s->sample_1d(i, 3, 0)));
+            next.push_back(static_cast<double>(s->sample_1d(i + 1, 3, 0)));
+            far.push_back(static_cast<double>(s->sample_1d(i + (std::uint64_t{1} << 32), 3, 0)));
+            seeded.push_back(static_cast<double>(other_seed.sample_1d(i, 3, 0)));
+        }
+        const double limit = 4 / std::sqrt(static_cast<double>(n));
+        EXPECT_LT(std::abs(correlation(first, next)), limit);
+        EXPECT_LT(std::abs(correlation(first, far)), limit);
+        EXPECT_LT(std::abs(correlation(first, seeded)), limit);
+    }
+}
+
+TEST_F(Samplers, J5_PairsOfDimensionsAreIndependent) {
+    Rng rng(5);
+    for (const auto& [name, s] : samplers_) {
+        SCOPED_TRACE(name);
+        for (int pair = 0; pair < 24; ++pair) {
+            const std::uint32_t a = pair < 8 ? static_cast<std::uint32_t>(pair)
+                                             : rng.next_uint() % 2048;
+            const std::uint32_t b = pair < 8 ? a + 1 : rng.next_uint() % 2048;
+            if (a == b) continue;
+            Grid over_sequences(8), along(8);
+            for (std::uint64_t i = 0; i < 6400; ++i) {
+                const float x = s->sample_1d(i, 5, a), y = s->sample_1d(i, 5, b);
+                over_sequences.add({x, y});
+                const float z = s->sample_1d(pair, i, a), w = s->sample_1d(pair, i, b);
+                along.add({z, w});
+            }
+            EXPECT_TRUE(over_sequences.uniform(sidak(1e-2, 200))) << a << ", " << b;
+            EXPECT_TRUE(along.uniform(sidak(1e-2, 200))) << a << ", " << b;
+        }
+    }
+}
+
+TEST_F(Samplers, J9_StrataHoldOneSampleEach) {
+    for (const auto& [name, s] : samplers_) {
+        if (name == "independent") continue;
+        SCOPED_TRACE(name);
+        for (const std::uint64_t start : {std::uint64_t{0}, std::uint64_t{5} * sample_count,
+                                          std::uint64_t{1} << 32}) {
+            for (std::uint64_t sequence = 0; sequence < 20; ++sequence) {
+                Grid square(8);
+                std::set<int> intervals;
+                for (std::uint64_t i = start; i < start + sample_count; ++i) {
+                    square.add(s->sample_2d(sequence, i, 4));
+                    const float x = s->sample_1d(sequence, i, 9);
+                    intervals.insert(static_cast<int>(x * sample_count));
+                }
+                EXPECT_TRUE(square.equal());
+                EXPECT_EQ(intervals.size(), std::size_t{sample_count});
+            }
+        }
+    }
+}
+
+TEST_F(Samplers, J9_ProjectionsHoldOneSampleEach) {
+    for (const char* name : {"multijitter", "sobol"}) {
+        SCOPED_TRACE(name);
+        const Sampler& s = make(name);
+        for (std::uint64_t sequence = 0; sequence < 50; ++sequence) {
+            std::set<int> columns, rows;
+            for (std::uint64_t i = 0; i < sample_count; ++i) {
+                const Vector2 p = s.sample_2d(sequence, i, 0);
+                columns.insert(static_cast<int>(p.x * sample_count));
+                rows.insert(static_cast<int>(p.y * sample_count));
+            }
+            EXPECT_EQ(columns.size(), std::size_t{sample_count});
+            EXPECT_EQ(rows.size(), std::size_t{sample_count});
+        }
+    }
+}
+
+TEST(SobolSampler, J9_AlignedBlocksFillAllElementaryIntervals) {
+    Workshop workshop;
+    const Sampler& s = workshop.make<Sampler>("<sampler type='sobol'/>");
+    for (const int log_size : {1, 3, 6, 10}) {
+        const std::uint64_t size = std::uint64_t{1} << log_size;
+        for (std::uint64_t block = 0; block < 4; ++block) {
+            for (int log_x = 0; log_x <= log_size; ++log_x) {
+                const auto columns = static_cast<float>(1 << log_x);
+                const auto rows = static_cast<float>(1 << (log_size - log_x));
+                std::set<std::pair<int, int>> seen;
+                for (std::uint64_t i = block * size; i < (block + 1) * size; ++i) {
+                    const Vector2 p = s.sample_2d(9, i, 6);
+                    seen.emplace(static_cast<int>(p.x * columns), static_cast<int>(p.y * rows));
+                }
+                EXPECT_EQ(seen.size(), size);
+            }
+        }
+    }
+}
+
+TEST_F(Samplers, J6_MeansAreUnbiasedForAnySampleCount) {
+    // ∫∫ f = (e − 1)², of a product that is neither symmetric nor linear.
+    const double exact = sqr(std::numbers::e - 1);
+    for (const auto& [name, _] : samplers_) {
+        for (const int samples : {1, 2, 7, 16, 23, 100}) {
+            SCOPED_TRACE(name + fmt::format(" with {} samples", samples));
+            const Sampler& s = make(name, samples);
+            EXPECT_GE(s.sample_count(), samples);
+            RunningStatistics means;
+            for (std::uint64_t sequence = 0; sequence < 2000; ++sequence) {
+                double sum = 0;
+                for (int i = 0; i < samples; ++i) {
+                    const Vector2 p = s.sample_2d(sequence, static_cast<std::uint64_t>(i), 0);
+                    sum += std::exp(static_cast<double>(p.x) + static_cast<double>(p.y));
+                }
+                means.add(sum / samples);
+            }
+            EXPECT_TRUE(mean_is(means, exact, sidak(1e-2, 24)));
+        }
+    }
+}
+
+TEST_F(Samplers, StratificationLowersTheVariance) {
+    const auto variance = [&](const Sampler& s) {
+        RunningStatistics means;
+        for (std::uint64_t sequence = 0; sequence < 1000; ++sequence) {
+            double sum = 0;
+            for (std::uint64_t i = 0; i < sample_count; ++i) {
+                const Vector2 p = s.sample_2d(sequence, i, 0);
+                sum += std::exp(static_cast<double>(p.x) + static_cast<double>(p.y));
+            }
+            means.add(sum / sample_count);
+        }
+        return means.variance();
+    };
+    const double independent = variance(make("independent"));
+    EXPECT_LT(variance(make("stratified")), independent / 20);
+    EXPECT_LT(variance(make("multijitter")), independent / 20);
+    EXPECT_LT(variance(make("sobol")), independent / 100);
+}
+
+TEST(Permutation, IsOneAndAllAreEquallyLikely) {
+    for (const std::uint32_t n : {1u, 2u, 3u, 7u, 16u, 25u, 100u}) {
+        const std::uint32_t shown = std::min(n, 16u);
+        std::vector<double> images(std::size_t{shown} * n), pairs(std::size_t{n} * n);
+        constexpr int keys = 40000;
+        for (int k = 0; k < keys; ++k) {
+            const std::uint64_t key = hash64({static_cast<std::uint64_t>(k), n});
+            std::set<std::uint32_t> all;
+            for (std::uint32_t i = 0; i < n; ++i) all.insert(permute(i, n, key));
+            ASSERT_EQ(all.size(), n);
+            ASSERT_LT(*all.rbegin(), n);
+            for (std::uint32_t i = 0; i < shown; ++i) ++images[i * n + permute(i, n, key)];
+            if (n > 1) ++pairs[permute(0, n, key) * n + permute(1, n, key)];
+        }
+        const std::vector<double> expected(images.size(), keys / static_cast<double>(n));
+        EXPECT_TRUE(counts_match(images, expected, 1e-4, shown + n)) << n;
+        if (n < 3) continue;
+        std::vector<double> expected_pairs(pairs.size(),
+                                           keys / static_cast<double>(n) / (n - 1));
+        for (std::uint32_t i = 0; i < n; ++i) expected_pairs[i * n + i] = 0;
+        EXPECT_TRUE(counts_match(pairs, expected_pairs, 1e-4)) << n;
+    }
+}
+
+TEST(Sampler, RoundedSampleCountsAreTold) {
+    Workshop workshop;
+    const auto count = [&](const char* type, int samples) {
+        return workshop.make<Sampler>(sampler(type, whole("sample_count", samples)))
+            .sample_count();
+    };
+    EXPECT_EQ(count("stratified", 10), 16);
+    EXPECT_NE(workshop.warnings().find("changed to 16"), std::string::npos);
+    EXPECT_EQ(count("multijitter", 10), 12);
+    EXPECT_NE(workshop.warnings().find("changed to 12"), std::string::npos);
+    EXPECT_EQ(count("sobol", 10), 10);
+    EXPECT_EQ(workshop.warnings(), "");
+    EXPECT_NE(refusal(sampler("sobol", whole("sample_count", 0))), "");
+}
+
+TEST(Sampler, KnowsTheNamesOfOldScenes) {
+    Workshop workshop;
+    workshop.make<Sampler>(sampler("ldsampler", whole("dimension", 4)));
+    EXPECT_NE(workshop.warnings().find("\"dimension\" has no effect"), std::string::npos);
+    workshop.make<Sampler>("<sampler type='orthogonal'/>");
+}
+
+}  // namespace
+}  // namespace lucerna

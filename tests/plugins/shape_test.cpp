@@ -1,0 +1,626 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What every shape must satisfy, tried on all shape plugins that the registry finds, with defaults
+/// and under hard transforms; then closed forms of single shapes. A new plugin is tested unasked.
+#include "core/math/rounding.h"
+#include "core/math/solid_angle.h"
+#include "core/math/warp.h"
+#include "core/scene/mesh.h"
+#include "tests/paths.h"
+#include "tests/plugins/world.h"
+#include "tests/statistics.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+#include <map>
+
+namespace lucerna {
+namespace {
+
+std::string shape(const std::string& type, const std::string& body = "") {
+    return fmt::format("<shape type='{}'>{}</shape>", type, body);
+}
+std::string to_world(const std::string& steps) {
+    return "<transform name='to_world'>" + steps + "</transform>";
+}
+std::string scaled(double factor) { return fmt::format("<scale value='{}'/>", factor); }
+
+const char* const turned =
+    "<rotate x='1' y='2' z='-0.5' angle='40'/><scale value='1.5'/>"
+    "<translate x='0.3' y='-0.7' z='2'/>";
+const char* const mirrored = "<scale x='-1' y='1' z='1'/><rotate y='1' angle='30'/>";
+const char* const sheared = "<matrix value='1 0.6 0 1  0 1.3 0.2 0  0.3 0 0.7 -2  0 0 0 1'/>";
+
+/// Files for the loaders: an octahedron with shared vertices and texture coordinates.
+const TemporaryFolder& files() {
+    static const TemporaryFolder folder;
+    [[maybe_unused]] static const bool written = [] {
+        std::ofstream(folder / "octahedron.obj")
+            << "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+               "vt 0 0\nvt 1 0\nvt 0.4 0.9\n"
+               "f 1/1 3/2 5/3\nf 3/1 2/2 5/3\nf 2/1 4/2 5/3\nf 4/1 1/2 5/3\n"
+               "f 3/1 1/2 6/3\nf 2/1 3/2 6/3\nf 4/1 2/2 6/3\nf 1/1 4/2 6/3\n";
+        std::ofstream(folder / "octahedron.ply")
+            << "ply\nformat ascii 1.0\nelement vertex 6\n"
+               "property float x\nproperty float y\nproperty float z\n"
+               "element face 8\nproperty list uchar int vertex_indices\nend_header\n"
+               "1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n"
+               "3 0 2 4\n3 2 1 4\n3 1 3 4\n3 3 0 4\n3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n";
+        return true;
+    }();
+    return folder;
+}
+
+std::string file(const std::string& name) {
+    return fmt::format("<string name='filename' value='{}'/>", (files() / name).string());
+}
+
+/// What a plugin cannot be made without. Empty text: it has no surface, or its files are tested
+/// elsewhere.
+const std::map<std::string, std::string>& bodies() {
+    static const std::map<std::string, std::string> all = {{"obj", file("octahedron.obj")},
+                                                           {"ply", file("octahedron.ply")},
+                                                           {"serialized", ""},
+                                                           {"shapegroup", ""},
+                                                           {"instance", ""}};
+    return all;
+}
+
+struct Case {
+    std::string xml;
+    std::unique_ptr<World> world;
+
+    const Shape& shape() const { return world->shape(); }
+    const Scene& scene() const { return world->scene(); }
+    bool analytic() const {
+        return std::holds_alternative<AnalyticGeometry>(world->shape().geometry());
+    }
+    /// Size of the shape, and of its coordinates.
+    float extent() const { return max_component(shape().bounds().extent()); }
+    float magnitude() const {
+        const Bounds3 b = shape().bounds();
+        return max_component(glm::max(glm::abs(b.min), glm::abs(b.max)));
+    }
+};
+
+std::vector<std::string> all_shapes() {
+    std::vector<std::string> all;
+    Registry registry;
+    for (const std::string& name : registry.names("shape")) {
+        const auto body = bodies().find(name);
+        if (body != bodies().end() && body->second.empty()) continue;
+        const std::string inside = body == bodies().end() ? "" : body->second;
+        all.push_back(shape(name, inside));
+        for (const char* steps : {turned, mirrored}) {
+            all.push_back(shape(name, inside + to_world(steps)));
+        }
+        for (const double scale : {1e-6, 1e6}) {
+            all.push_back(shape(name, inside + to_world(scaled(scale))));
+        }
+        all.push_back(shape(name, inside + "<boolean name='flip_normals' value='true'/>"));
+    }
+    for (const char* name : {"rectangle", "disk", "cube"}) {
+        all.push_back(shape(name, to_world(sheared)));
+    }
+    all.push_back(shape("obj", file("octahedron.obj") + to_world(sheared)));
+    all.push_back(shape("sphere", "<point name='center' value='3 -2 1'/>"
+                                  "<float name='radius' value='0.25'/>"));
+    all.push_back(shape("cylinder", "<point name='p0' value='1 2 3'/>"
+                                    "<point name='p1' value='-1 0.5 3.3'/>"
+                                    "<float name='radius' value='0.1'/>"));
+    return all;
+}
+
+class Shapes : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        for (const std::string& xml : all_shapes()) {
+            try {
+                cases.push_back({xml, std::make_unique<World>(xml)});
+            } catch (const Error& error) {
+                ADD_FAILURE() << xml << "\ncannot be made; if it needs parameters or files, add "
+                              << "them to `bodies` in this file\n"
+                              << error.what();
+            }
+        }
+    }
+    static void TearDownTestSuite() { cases.clear(); }
+
+    static inline std::vector<Case> cases;
+};
+
+Receiver receiver_at(Vector3 p) { return {.p = p}; }
+
+/// The first surface from `p` along `d`.
+std::optional<Interaction> meet(const Case& c, Vector3 p, Vector3 d) {
+    return c.scene().intersect({.o = p, .d = glm::normalize(d)});
+}
+
+/// Points from which a shape is seen: far, near, and inside of it.
+std::vector<Vector3> viewpoints(const Shape& shape) {
+    const Bounds3 b = shape.bounds();
+    const float size = max_component(b.extent());
+    return {b.center() + size * Vector3(20, 31, -17), b.center() + size * Vector3(0.9f, 0.8f, 0.7f),
+            b.center() + size * Vector3(0.02f, 0.13f, 0.61f),
+            b.center() + 0.1f * size * Vector3(0.31f, -0.17f, 0.23f)};
+}
+
+TEST_F(Shapes, every_plugin_is_found_and_can_be_made) {
+    Registry registry;
+    EXPECT_GE(registry.names("shape").size(), 10u);
+    EXPECT_GE(cases.size(), 40u);
+}
+
+TEST_F(Shapes, C21_points_sampled_by_area_lie_on_the_surface) {
+    constexpr float corners[] = {0, 0.5f, one_minus_epsilon};
+    for (const Case& c : cases) {
+        Rng rng(3);
+        for (int i = 0; i < 400; ++i) {
+            const auto primitive = rng.next_uint() % c.shape().primitive_count();
+            Vector2 u = rng.next_float2();
+            if (i < 9) u = Vector2(corners[i % 3], corners[i / 3]);
+            const SurfaceSample s = c.shape().sample_area(primitive, u);
+            ASSERT_TRUE(is_finite(s.p) && is_finite(s.n)) << c.xml;
+            EXPECT_NEAR(glm::length(s.n), 1, 1e-5f) << c.xml;
+            EXPECT_FLOAT_EQ(s.pdf, 1 / c.shape().area(primitive)) << c.xml;
+            EXPECT_GT(s.error, 0) << c.xml;
+            EXPECT_LT(s.error, 1e-5f * c.magnitude()) << c.xml;
+            const Bounds3 box = c.shape().primitive_bounds(primitive);
+            const Vector3 margin(2 * s.error);
+            EXPECT_TRUE((Bounds3{box.min - margin, box.max + margin}.contains(s.p))) << c.xml;
+            const auto [axis, cosine] = c.shape().normal_cone(primitive);
+            EXPECT_GE(glm::dot(axis, s.n), cosine - 1e-5f) << c.xml;
+            if (i < 9) continue;  // a ray to an edge may miss
+
+            // A ray from above meets the same point, with the same normal and parameters.
+            const float height = 1e-3f * c.extent();
+            const auto hit = meet(c, s.p + height * s.n, -s.n);
+            ASSERT_TRUE(hit) << c.xml;
+            EXPECT_LT(glm::length(hit->p - s.p), 1e-5f * c.magnitude()) << c.xml;
+            EXPECT_GT(glm::dot(hit->n, s.n), 0.9999f) << c.xml;
+            EXPECT_GT(glm::dot(hit->n, hit->shading.n), 0) << c.xml;
+            const Vector2 off = glm::abs(hit->uv - s.uv);  // u may jump at the seam
+            EXPECT_TRUE(off.x < 1e-3f || off.x > 0.999f) << c.xml;
+            EXPECT_TRUE(off.y < 1e-3f || off.y > 0.999f) << c.xml;
+        }
+    }
+}
+
+TEST_F(Shapes, C3_C23_density_per_solid_angle_covers_what_is_visible) {
+    // Both ways of measuring the visible part of a shape, one octant at a time: by its own samples,
+    // and by directions that know nothing of it.
+    constexpr int samples = 20000;
+    const double level = sidak(1e-3, static_cast<double>(8 * 4 * cases.size()));
+    for (const Case& c : cases) {
+        const Bounds3 box = c.shape().bounds();
+        for (const Vector3 p : viewpoints(c.shape())) {
+            Rng rng(11);
+            std::array<RunningStatistics, 8> own, blind;
+            const auto octant = [](Vector3 d) {
+                return static_cast<std::size_t>((d.x + 0.1f * d.y > 0) + 2 * (d.y > 0.2f * d.z) +
+                                                4 * (d.z > -0.3f * d.x));
+            };
+            const auto add = [&](auto& sums, Vector3 d, double value) {
+                for (std::size_t k = 0; k < 8; ++k) sums[k].add(k == octant(d) ? value : 0.0);
+            };
+            const auto count = c.shape().primitive_count();
+            const Receiver from = receiver_at(p);
+            for (int i = 0; i < samples; ++i) {
+                const auto primitive = static_cast<std::uint32_t>(i) % count;
+                const auto s = c.shape().sample_solid_angle(primitive, from, rng.next_float2());
+                const Vector3 d = s ? s->p - p : Vector3(1);
+                const auto hit = s ? meet(c, p, d) : std::nullopt;
+                const bool visible =
+                    hit && hit->primitive == primitive &&
+                    glm::length(hit->p - s->p) < 1e-4f * c.extent() + 1e-6f * c.magnitude();
+                add(own, d, visible ? count / static_cast<double>(s->pdf) : 0.0);
+                if (!visible) continue;
+                const float pdf =
+                    c.shape().pdf_solid_angle(primitive, from, glm::normalize(d), *hit);
+                // At grazing angles a rounded direction meets a round surface elsewhere.
+                const double cosine = std::abs(glm::dot(glm::normalize(d), hit->n));
+                EXPECT_NEAR(pdf / s->pdf, 1, 1e-4 + 1e-4 / (cosine * cosine)) << c.xml;
+            }
+            // A cone around the box, or the sphere.
+            const auto cone = SphereCone::from(p, box.center(), 1.01f * box.radius());
+            for (int i = 0; i < samples; ++i) {
+                const Vector2 u = rng.next_float2();
+                const Vector3 d =
+                    cone ? cone->sample(Vector2d(u)).direction : square_to_uniform_sphere(u);
+                const double domain = cone ? cone->solid_angle() : 4 * std::numbers::pi;
+                add(blind, d, meet(c, p, d) ? domain : 0.0);
+            }
+            for (std::size_t k = 0; k < 8; ++k) {
+                const double deviation =
+                    std::hypot(own[k].standard_error(), blind[k].standard_error());
+                const double difference = std::abs(own[k].mean() - blind[k].mean());
+                EXPECT_LE(difference, -normal_quantile(level / 2) * deviation +
+                                          1e-4 * blind[k].mean())
+                    << c.xml << " octant " << k << ": " << own[k].mean() << " and "
+                    << blind[k].mean();
+            }
+        }
+    }
+}
+
+TEST_F(Shapes, B8_B11_points_are_on_the_surface_within_their_error) {
+    for (const Case& c : cases) {
+        Rng rng(5);
+        int again = 0, lost = 0, hits = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const auto primitive = rng.next_uint() % c.shape().primitive_count();
+            const Vector3 target = c.shape().sample_area(primitive, rng.next_float2()).p;
+            const float distance = c.extent() * std::exp2(24 * rng.next_float() - 4);
+            const Vector3 from =
+                target + distance * square_to_uniform_sphere(rng.next_float2());
+            const auto hit = meet(c, from, target - from);
+            if (!hit) continue;
+            ++hits;
+            // What leaves either side of the surface does not meet it again at once.
+            for (const float side : {1.0f, -1.0f}) {
+                const Vector3 away = side * hit->n;
+                const auto next = c.scene().intersect(hit->spawn_ray(away));
+                if (next && next->t < 1e-3f * c.extent()) ++again;
+            }
+            // The surface is between the two ends of the error bound.
+            const float back = glm::dot(hit->n, from - hit->p) > 0 ? -1.0f : 1.0f;
+            const Vector3 start = offset_ray_origin(hit->p, hit->error, hit->n, -back * hit->n);
+            const auto through = c.scene().intersect({.o = start, .d = back * hit->n});
+            if (!through || through->t > 8 * hit->error) ++lost;
+        }
+        EXPECT_GT(hits, 2000) << c.xml;
+        EXPECT_EQ(again, 0) << c.xml;
+        EXPECT_LE(lost, hits / 200) << c.xml;  // beside an edge
+    }
+}
+
+TEST_F(Shapes, I2_normals_of_closed_shapes_point_outside_also_when_mirrored) {
+    for (const Case& c : cases) {
+        if (c.xml.find("rectangle") != std::string::npos) continue;
+        if (c.xml.find("disk") != std::string::npos) continue;
+        const float side = c.xml.find("flip_normals") == std::string::npos ? 1.0f : -1.0f;
+        Rng rng(2);
+        for (int i = 0; i < 200; ++i) {
+            const auto primitive = rng.next_uint() % c.shape().primitive_count();
+            const SurfaceSample s = c.shape().sample_area(primitive, rng.next_float2());
+            EXPECT_GT(side * glm::dot(s.n, s.p - c.shape().bounds().center()), 0) << c.xml;
+        }
+    }
+}
+
+TEST_F(Shapes, I3_derivatives_follow_the_parameters) {
+    for (const Case& c : cases) {
+        Rng rng(9);
+        for (int i = 0; i < 100; ++i) {
+            const auto primitive = rng.next_uint() % c.shape().primitive_count();
+            const SurfaceSample s = c.shape().sample_area(primitive, rng.next_float2());
+            const float height = 0.01f * c.extent();
+            const auto a = meet(c, s.p + height * s.n, -s.n);
+            ASSERT_TRUE(a) << c.xml;
+            EXPECT_NEAR(glm::dot(a->n, glm::normalize(a->dpdu)), 0, 1e-4f) << c.xml;
+            EXPECT_NEAR(glm::dot(a->shading.s, a->shading.n), 0, 1e-5f) << c.xml;
+            // A neighbour lies where the linear map says.
+            const Vector3 step = 2e-3f * c.extent() * Frame::from_normal(s.n).to_world({0.8f, 0.6f, 0});
+            const auto b = meet(c, s.p + height * s.n + step, -s.n);
+            if (!b || b->primitive != a->primitive) continue;
+            const Vector2 duv = b->uv - a->uv;
+            if (std::abs(duv.x) > 0.1f || std::abs(duv.y) > 0.1f) continue;  // a seam or pole
+            const Vector3 expected = duv.x * a->dpdu + duv.y * a->dpdv;
+            EXPECT_LT(glm::length(expected - (b->p - a->p)), 0.1f * glm::length(step)) << c.xml;
+        }
+    }
+}
+
+TEST(Shape, areas_are_those_of_the_books) {
+    const std::map<std::string, double> expected = {
+        {"sphere", 4 * std::numbers::pi}, {"cylinder", 2 * std::numbers::pi},
+        {"disk", std::numbers::pi},       {"rectangle", 4},
+        {"cube", 24},
+    };
+    for (const auto& [name, area] : expected) {
+        const World world(shape(name, to_world(scaled(3))));
+        double sum = 0;
+        for (std::uint32_t i = 0; i < world.shape().primitive_count(); ++i) {
+            sum += world.shape().area(i);
+        }
+        EXPECT_NEAR(sum / (9 * area), 1, 1e-6) << name;
+    }
+    // An ellipse with half axes 2 and 3.
+    const World ellipse(shape("disk", to_world("<scale x='2' y='3' z='5'/>")));
+    EXPECT_NEAR(ellipse.shape().area(0), 6 * std::numbers::pi, 1e-5);
+}
+
+TEST(Shape, sampling_by_area_is_uniform) {
+    const std::map<std::string, double> bands = {{"sphere", 2}, {"cylinder", 1}, {"disk", 0}};
+    for (const auto& [name, height] : bands) {
+        const World world(shape(name));
+        Rng rng(1);
+        std::vector<double> counts(80), expected(80, 1000);
+        for (int i = 0; i < 80000; ++i) {
+            const Vector3 p = world.shape().sample_area(0, rng.next_float2()).p;
+            // Bands of equal area: in z on the sphere and the cylinder, in r² on the disk.
+            const double z = name == "sphere" ? 0.5 * (p.z + 1) : p.z;
+            const double across = height > 0 ? z : p.x * p.x + p.y * p.y;
+            const double turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi) + 0.5;
+            const int row = std::clamp(static_cast<int>(8 * across), 0, 7);
+            const int column = std::clamp(static_cast<int>(10 * turn), 0, 9);
+            ++counts[static_cast<std::size_t>(10 * row + column)];
+        }
+        EXPECT_TRUE(counts_match(counts, expected)) << name;
+    }
+}
+
+// Spheres.
+
+std::string sphere(const std::string& center, double radius) {
+    return shape("sphere", fmt::format("<point name='center' value='{}'/>"
+                                       "<float name='radius' value='{}'/>",
+                                       center, radius));
+}
+
+TEST(Sphere, A1_far_away_it_is_met_as_exactly_as_a_float_can_say) {
+    const World world(sphere("0 0 0", 1));
+    for (const double distance : {1e1, 1e3, 1e4, 1e5, 1e6}) {
+        const Vector3 o(0, 0, static_cast<float>(-distance));
+        const auto hit = world.scene().intersect({.o = o, .d = {0, 0, 1}});
+        ASSERT_TRUE(hit);
+        EXPECT_NEAR(hit->t, distance - 1, 0.5 * std::nextafter(distance, 1e9) * 0x1p-23);
+        EXPECT_FLOAT_EQ(hit->p.z, -1);
+        // Off the axis: the true point is (0.6, 0, −0.8).
+        const auto side = world.scene().intersect({.o = o + Vector3(0.6f, 0, 0), .d = {0, 0, 1}});
+        ASSERT_TRUE(side);
+        EXPECT_NEAR(side->p.z, -0.8, 1e-6) << distance;
+    }
+}
+
+TEST(Sphere, A2_horizon_of_a_planet) {
+    // From 1.7 m above a sea of radius 6.4e6 m the horizon is √(2rh + h²) away. In a camera's
+    // space: the ground is at z = 0, the center far below.
+    const double r = 6.4e6, h = 1.7;
+    const World world(sphere("0 0 -6400000", r));
+    const double horizon = std::sqrt(2 * r * h + h * h);
+    EXPECT_NEAR(horizon, 4664.8, 0.05);
+    const double dip = std::atan2(horizon, r);  // of the tangent below the horizontal
+    double met = 0, missed = infinity;
+    for (int i = -50; i <= 50; ++i) {
+        const double angle = dip * (1 + 1e-3 * i);
+        const Vector3 d(Vector3d(std::cos(angle), 0, -std::sin(angle)));
+        const auto hit = world.scene().intersect({.o = {0, 0, 1.7f}, .d = d});
+        if (hit) met = std::max(met, static_cast<double>(hit->t));
+        if (!hit) missed = std::min(missed, std::abs(static_cast<double>(i)));
+    }
+    EXPECT_NEAR(met / horizon, 1, 0.05);
+    EXPECT_LE(missed, 1);
+    const auto foot = world.scene().intersect({.o = {0, 0, 1.7f}, .d = {0, 0, -1}});
+    ASSERT_TRUE(foot);
+    EXPECT_FLOAT_EQ(foot->t, 1.7f);
+    // A second look from nearby sees the same flat sea: no waves of rounding.
+    for (int i = 1; i < 100; ++i) {
+        const float x = 0.37f * static_cast<float>(i);
+        const auto at = world.scene().intersect({.o = {x, 0, 1.7f}, .d = {0, 0, -1}});
+        ASSERT_TRUE(at);
+        EXPECT_NEAR(at->t, 1.7 + x * x / (2 * r), 1e-6);
+    }
+}
+
+TEST(Sphere, A3_tiny_ones_are_hit_where_they_are) {
+    for (const double x : {0.0, 1000.0}) {
+        const double r = 1e-6 * std::max(x, 1.0) * 1e3;  // some roundings of its place
+        const World world(sphere(fmt::format("{} 0 0", x), r));
+        const float radius = static_cast<float>(r);
+        const auto ray = [&](float impact) {
+            return Ray{.o = {static_cast<float>(x), impact, -5}, .d = {0, 0, 1}};
+        };
+        EXPECT_TRUE(world.scene().intersect(ray(0.99f * radius)));
+        EXPECT_FALSE(world.scene().intersect(ray(1.01f * radius)));
+    }
+}
+
+TEST(Sphere, A4_ray_that_starts_inside_leaves_once) {
+    const World world(sphere("0 0 0", 2));
+    Rng rng(4);
+    for (int i = 0; i < 1000; ++i) {
+        const Vector3 d = square_to_uniform_sphere(rng.next_float2());
+        const auto hit = world.scene().intersect({.o = Vector3(0), .d = d});
+        ASSERT_TRUE(hit);
+        EXPECT_NEAR(hit->t, 2, 1e-6);
+        EXPECT_LT(glm::length(hit->p - 2.0f * d), 2e-6f);
+        // From the point itself: outwards nothing, inwards the other side.
+        EXPECT_FALSE(world.scene().intersect(hit->spawn_ray(d)));
+        const auto across = world.scene().intersect(hit->spawn_ray(-d));
+        ASSERT_TRUE(across);
+        EXPECT_NEAR(across->t, 4, 1e-5);
+    }
+}
+
+TEST(Sphere, A5_grazing_rays_decide_once_between_hit_and_miss) {
+    const World world(sphere("0 0 0", 1));
+    for (const float distance : {3.0f, 1e3f, 1e6f}) {
+        bool missed = false;
+        for (int i = -1000; i <= 1000; ++i) {
+            const float impact = 1 + static_cast<float>(i) * 0x1p-23f;
+            const auto hit =
+                world.scene().intersect({.o = {impact, 0, -distance}, .d = {0, 0, 1}});
+            EXPECT_EQ(!hit, impact > 1) << impact;
+            missed |= !hit;
+            EXPECT_TRUE(!missed || !hit);
+        }
+    }
+}
+
+TEST(Sphere, C1_far_light_keeps_its_density) {
+    const World world(sphere("0 0 0", 1));
+    for (const double distance : {2.0, 1e3, 1e4, 1e6}) {
+        const Receiver from = receiver_at({0, static_cast<float>(distance), 0});
+        const double sin2 = 1 / (distance * distance);
+        const double solid_angle = 2 * std::numbers::pi * sin2 / (1 + std::sqrt(1 - sin2));
+        const auto sample = world.shape().sample_solid_angle(0, from, {0.3f, 0.8f});
+        ASSERT_TRUE(sample);
+        EXPECT_NEAR(sample->pdf * solid_angle, 1, 8 * 0x1p-24);
+    }
+}
+
+/// ∫ max(n·w, 0) dw over the visible part of the shape, by its own samples.
+RunningStatistics irradiance(const Shape& shape, Vector3 p, Vector3 n, int samples = 200000) {
+    Rng rng(8);
+    RunningStatistics mean;
+    const std::uint32_t count = shape.primitive_count();
+    for (int i = 0; i < samples; ++i) {
+        const auto primitive = static_cast<std::uint32_t>(i) % count;
+        const auto s = shape.sample_solid_angle(primitive, receiver_at(p), rng.next_float2());
+        if (!s) {
+            mean.add(0);
+            continue;
+        }
+        const Vector3 d = glm::normalize(s->p - p);
+        const bool lit = glm::dot(d, s->n) < 0;  // the normal side of the light
+        mean.add(lit ? static_cast<float>(count) * std::max(glm::dot(d, n), 0.0f) / s->pdf : 0.0f);
+    }
+    return mean;
+}
+
+TEST(Sphere, C2_from_inside_a_glowing_sphere_the_irradiance_is_pi) {
+    const World world(
+        shape("sphere", "<boolean name='flip_normals' value='true'/>" + to_world(scaled(3))));
+    for (const Vector3 p : {Vector3(0), {1, 0.5f, -0.3f}, {0, 2.5f, 0}}) {
+        const Vector3 n = glm::normalize(Vector3(0.3f, -0.5f, 0.8f));
+        EXPECT_TRUE(equivalent(irradiance(world.shape(), p, n, 2000000), std::numbers::pi, 1e-2));
+    }
+}
+
+TEST(Sphere, C3_C4_light_that_touches_or_sets_behind_the_horizon) {
+    const World world(sphere("0 0 0", 1));
+    // Distance 3 radii; the normal makes an angle with the direction to the center.
+    const std::map<double, double> expected = {
+        {0.5, 0.174532925}, {0.2, 0.072810967}, {0, 0.025567229}, {-0.2, 0.002997797}};
+    for (const auto& [cosine, value] : expected) {
+        const Vector3 n(Vector3d(-cosine, std::sqrt(1 - cosine * cosine), 0));
+        const double tolerance = cosine < 0 ? 0.02 : 5e-3;
+        EXPECT_TRUE(equivalent(irradiance(world.shape(), {3, 0, 0}, n, 1500000), value, tolerance));
+    }
+    // Just above the surface it fills half of all directions.
+    const Receiver near = receiver_at({0, 0, 1 + 1e-4f});
+    Interaction at;
+    EXPECT_NEAR(world.shape().pdf_solid_angle(0, near, {0, 0, -1}, at) * 2 * std::numbers::pi, 1,
+                0.02);
+}
+
+TEST(Sphere, C5_radius_zero_is_refused) {
+    EXPECT_EQ(refusal(sphere("0 0 0", 0)), "\"radius\" is 0, but must be > 0");
+}
+
+TEST(Sphere, A20_stretching_is_refused_with_the_factors) {
+    EXPECT_EQ(refusal(shape("sphere", to_world("<scale x='1' y='2' z='1'/>"))),
+              "\"to_world\" stretches x, y and z by 1, 2 and 1, but a sphere must stay round: "
+              "scale all axes alike, or use a mesh");
+    EXPECT_EQ(refusal(shape("cylinder", to_world("<scale x='3' y='1' z='1'/>"))),
+              "\"to_world\" stretches x, y and z by 3, 1 and 1, but a cylinder must stay round: "
+              "scale all axes alike, or use a mesh");
+}
+
+TEST(Shape, what_cannot_be_is_refused) {
+    EXPECT_EQ(refusal(shape("cylinder", "<point name='p1' value='0 0 0'/>")),
+              "\"p0\" and \"p1\" are the same point: the cylinder has no length");
+    EXPECT_EQ(refusal(shape("sphere", "<emitter type='point'/>")),
+              "this emitter cannot be part of a shape; put it directly into the scene, or use an "
+              "\"area\" emitter here");
+    EXPECT_EQ(refusal(shape("rectangle",
+                            to_world("<matrix value='1 0 0 0 0 1 0 0 0 0 1 0 0 0.5 0 1'/>"))),
+              "\"to_world\" of a shape must be affine: the last row of its matrix must be 0 0 0 1");
+}
+
+// Rectangles and triangles as lights.
+
+TEST(Rectangle, C9_density_is_exact_from_tiny_to_large) {
+    const World world(shape("rectangle"));
+    for (const double height : {1.0, 10.0, 100.0, 1e4, 1e6}) {
+        const double solid_angle = 4 * std::asin(1 / (1 + height * height));
+        const Receiver from = receiver_at({0, 0, static_cast<float>(height)});
+        const auto s = world.shape().sample_solid_angle(0, from, {0.5f, 0.5f});
+        ASSERT_TRUE(s);
+        // Sampled by area when it is small: at its centre the density is then d² / A.
+        EXPECT_NEAR(s->pdf * solid_angle, 1, height < 60 ? 1e-6 : 4e-4) << height;
+    }
+}
+
+TEST(Rectangle, C8_from_its_own_plane_there_is_nothing_to_sample) {
+    for (const std::string& xml : {shape("rectangle"), shape("disk"), shape("cube")}) {
+        const World world(xml);
+        const float z = xml.find("cube") == std::string::npos ? 0.0f : 1.0f;
+        for (const Vector3 p : {Vector3(3, 0.2f, z), Vector3(1, 0.2f, z), Vector3(0.1f, 0.2f, z)}) {
+            Rng rng(1);
+            for (int i = 0; i < 1000; ++i) {
+                const auto primitive = rng.next_uint() % world.shape().primitive_count();
+                const auto s = world.shape().sample_solid_angle(primitive, receiver_at(p),
+                                                                rng.next_float2());
+                if (s) {
+                    EXPECT_TRUE(std::isfinite(s->pdf) && s->pdf > 0);
+                }
+            }
+        }
+    }
+}
+
+TEST(Mesh, C6_C7_a_square_of_two_triangles_lights_as_the_closed_form_says) {
+    // A square of side 2 at distance h from a parallel receiver on its axis (Howell's catalogue of
+    // configuration factors, C-11, for each quadrant).
+    const World rectangle(shape("rectangle"));
+    std::ofstream(files() / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    const World triangles(shape("obj", file("square.obj")));
+    for (const double h : {1e-3, 0.05, 1.0, 30.0, 1e3}) {
+        const double a = 1 / std::sqrt(1 + h * h);
+        const double expected = 4 * a * std::atan(a);
+        const Vector3 p(0, 0, static_cast<float>(h));
+        for (const World* world : {&rectangle, &triangles}) {
+            // So near, a rectangle is sampled by area, which is right but very noisy.
+            if (world == &rectangle && h < 0.01) continue;
+            EXPECT_TRUE(equivalent(irradiance(world->shape(), p, {0, 0, -1}), expected, 0.01)) << h;
+        }
+    }
+}
+
+// Groups and instances.
+
+TEST(Instance, B11_shows_what_the_shape_itself_would) {
+    const std::string steps =
+        "<scale x='2' y='0.5' z='-1.5'/><rotate x='1' angle='30'/><translate x='1' y='2' z='3'/>";
+    const World direct(shape("cube", to_world(steps)));
+    const World placed("<shape type='shapegroup' id='g'>" + shape("cube") + "</shape>" +
+                       shape("instance", "<ref id='g'/>" + to_world(steps)));
+    Rng rng(6);
+    int hits = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const Vector3 target = Vector3(1, 2, 3) + 2.0f * square_to_uniform_sphere(rng.next_float2());
+        const Vector3 o(10, -4, 7);
+        const Ray ray{.o = o, .d = glm::normalize(target - o)};
+        const auto a = direct.scene().intersect(ray), b = placed.scene().intersect(ray);
+        ASSERT_EQ(a.has_value(), b.has_value()) << i;
+        if (!a) continue;
+        ++hits;
+        EXPECT_LT(glm::length(a->p - b->p), 1e-5f);
+        EXPECT_GT(glm::dot(a->n, b->n), 0.99999f);
+        EXPECT_LT(glm::length(a->uv - b->uv), 1e-4f);
+        EXPECT_LT(glm::length(a->dpdu - b->dpdu), 1e-4f * glm::length(a->dpdu));
+        EXPECT_FALSE(placed.scene().intersect(b->spawn_ray(b->n)));
+    }
+    EXPECT_GT(hits, 500);
+    const Bounds3 box = placed.scene().bounds(), expected = direct.scene().bounds();
+    EXPECT_LT(glm::length(box.min - expected.min), 1e-5f);
+    EXPECT_LT(glm::length(box.max - expected.max), 1e-5f);
+}
+
+TEST(Instance, what_cannot_be_shown_is_refused) {
+    EXPECT_EQ(refusal(shape("instance")),
+              "an instance needs a shapegroup: <shape type=\"shapegroup\" id=\"tree\">…</shape> in "
+              "the scene, and <ref id=\"tree\"/> in the instance");
+    EXPECT_EQ(refusal(shape("shapegroup", shape("sphere", "<emitter type='area'/>"))),
+              "a shape of a shapegroup has an emitter, which instances cannot carry; put the "
+              "emitting shape directly into the scene, once for each instance");
+    EXPECT_EQ(refusal(shape("shapegroup", shape("shapegroup", shape("sphere")))),
+              "a shapegroup holds another shapegroup or an instance; only one level of instancing "
+              "is possible, so list the shapes themselves");
+}
+
+}  // namespace
+}  // namespace lucerna
