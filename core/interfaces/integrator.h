@@ -20,6 +20,7 @@ struct PixelSample {
     Color radiance{0};        ///< [W/(m² sr)]
     float alpha = 1;          ///< 0 where the ray left the scene
     std::span<float> layers;  ///< one number per `layers()`, zero when called
+    std::size_t pixel = 0;    ///< which it is: x + y · width in the crop window
 };
 
 class Integrator : public Object {

@@ -14,4 +14,6 @@ Sensor::Sensor(const Params& params)
 
 Sensor::~Sensor() = default;
 
+std::optional<SensorConnection> Sensor::connect(Vector3, Vector2) const { return {}; }
+
 }  // namespace lucerna

@@ -8,7 +8,18 @@
 #include "core/math/transform.h"
 #include "core/plugin/plugin.h"
 
+#include <optional>
+
 namespace lucerna {
+
+/// Where a point of the scene is seen, for particles that are traced from the lights.
+struct SensorConnection {
+    Vector2 position{0};   ///< on the film, as for `sample_ray`; may lie outside of it
+    Vector3 p{0};          ///< where the ray that sees it starts (world)
+    Vector3 wi{0};         ///< unit vector from the seen point to there (world)
+    float distance = 0;    ///< between the two
+    float importance = 0;  ///< image of a unit of area at the point, facing `wi` [pixels²/m²]
+};
 
 /// Camera space: looks along +z, y up, x to the left (Mitsuba's convention).
 class Sensor : public Object {
@@ -21,6 +32,12 @@ public:
     /// The ray through `position` in pixels of the whole image, x to the right, y down; `u_lens`
     /// in [0, 1)² chooses the point on the lens.
     virtual Ray sample_ray(Vector2 position, Vector2 u_lens) const = 0;
+
+    /// The inverse: where `p` (world) is seen through the point of the lens that `u_lens` chooses.
+    /// A surface of radiance L and normal n that is seen there in dA lights |n · wi| importance dA
+    /// of the film with L. Occlusion is not looked at. Empty: p is behind the camera or beyond its
+    /// clip planes; unless overridden, always, and then nothing can be connected to the sensor.
+    virtual std::optional<SensorConnection> connect(Vector3 p, Vector2 u_lens) const;
 
     const Film& film() const { return *film_; }
     const Sampler& sampler() const { return *sampler_; }

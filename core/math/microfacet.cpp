@@ -42,15 +42,11 @@ double sample_visible_slope(double sin_theta, double cos_theta, double u) {
     for (int step = 0; step < 40; ++step) {
         const double excess =
             cos_theta * sqrt_pi * (1 + b) + sin_theta * std::exp(-x * x) - u * total;
+        const double next = b - excess / (sqrt_pi * (cos_theta - x * sin_theta));
+        if (std::abs(excess) < 1e-5 * std::min(u, 1 - u) * total) return inverse_erf(next);
         (excess > 0 ? high : low) = b;
-        const double slope = sqrt_pi * (cos_theta - x * sin_theta);
-        double next = b - excess / slope;
-        if (!(next > low && next < high)) next = 0.5 * (low + high);
-        // The step after this one would be about its square.
-        const bool converged = std::abs(next - b) < 1e-4 * (1 + b);
-        b = next;
+        b = next > low && next < high ? next : 0.5 * (low + high);
         x = inverse_erf(b);
-        if (converged) break;
     }
     return x;
 }

@@ -82,6 +82,19 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
     return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
 }
 
+/// Two independent 32-bit seeds from one 64-bit seed that need not be mixed, and the upper half of
+/// an index.
+struct SequenceSeeds {
+    std::uint64_t h;
+    constexpr SequenceSeeds(std::uint64_t index, std::uint64_t seed)
+        : h(mix64(seed + (index >> 32) * 0x9e3779b97f4a7c15u)) {}
+    constexpr std::uint32_t order() const { return static_cast<std::uint32_t>(h); }
+    constexpr std::uint32_t first() const { return static_cast<std::uint32_t>(h >> 32); }
+    constexpr std::uint32_t second() const {
+        return static_cast<std::uint32_t>((h * 0xd1342543de82ef95u) >> 32);
+    }
+};
+
 /// Multiplies the bit vector `x` by Pascal's matrix modulo 2, the Kronecker power of (1 1; 0 1)
 /// (Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact").
 constexpr std::uint32_t multiply_by_pascal(std::uint32_t x) {
@@ -127,23 +140,19 @@ struct SobolPoint {
 /// for 16 to 1024 points, half the squared error of random points on the indicator of a disk, a
 /// quarter on that of a 4D half space, 1.6 times theirs on (x − ½)(z − ½).
 constexpr SobolPoint sobol_owen_2d_bits(std::uint64_t index, std::uint64_t seed) {
-    const std::uint64_t h = hash64({seed, index >> 32});
-    const std::uint64_t g = mix64(h + 1);
+    const SequenceSeeds seeds(index, seed);
     // Scrambling the index shuffles within blocks and keeps the blocks.
-    const std::uint32_t i =
-        owen_scramble(static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(h));
+    const std::uint32_t i = owen_scramble(static_cast<std::uint32_t>(index), seeds.order());
     // A scramble is reverse, permute, reverse; both Sobol' coordinates are reversed numbers.
-    return {reverse_bits(laine_karras_permutation(i, static_cast<std::uint32_t>(h >> 32))),
-            reverse_bits(
-                laine_karras_permutation(multiply_by_pascal(i), static_cast<std::uint32_t>(g)))};
+    return {reverse_bits(laine_karras_permutation(i, seeds.first())),
+            reverse_bits(laine_karras_permutation(multiply_by_pascal(i), seeds.second()))};
 }
 
 /// Point `index` of an Owen-scrambled, shuffled van der Corput sequence; see the 2D version.
 constexpr std::uint32_t sobol_owen_1d_bits(std::uint64_t index, std::uint64_t seed) {
-    const std::uint64_t h = hash64({seed, index >> 32});
-    const std::uint32_t i =
-        owen_scramble(static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(h));
-    return reverse_bits(laine_karras_permutation(i, static_cast<std::uint32_t>(h >> 32)));
+    const SequenceSeeds seeds(index, seed);
+    const std::uint32_t i = owen_scramble(static_cast<std::uint32_t>(index), seeds.order());
+    return reverse_bits(laine_karras_permutation(i, seeds.first()));
 }
 
 /// The same in [0, 1)².

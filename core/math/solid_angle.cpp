@@ -2,6 +2,8 @@
 /// Solid angles and their sampling.
 #include "core/math/solid_angle.h"
 
+#include <complex>
+
 namespace lucerna {
 namespace {
 
@@ -11,12 +13,15 @@ Vector3d perpendicular(Vector3d v, Vector3d axis) { return v - glm::dot(v, axis)
 /// √(x² + y²); std::hypot's care against overflow would cost more than all the rest.
 double length_of(double x, double y) { return std::sqrt(x * x + y * y); }
 
-double solid_angle_of(Vector3d a, Vector3d b, Vector3d c) {
+/// A complex number whose argument is half the solid angle of the triangle a b c.
+std::complex<double> half_solid_angle(Vector3d a, Vector3d b, Vector3d c) {
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    const double volume = std::abs(glm::dot(a, glm::cross(b - a, c - a)));
-    const double denominator =
-        la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-    return 2 * std::atan2(volume, denominator);
+    return {la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb,
+            std::abs(glm::dot(a, glm::cross(b - a, c - a)))};
+}
+
+double solid_angle_of(Vector3d a, Vector3d b, Vector3d c) {
+    return 2 * std::arg(half_solid_angle(a, b, c));
 }
 
 }  // namespace
@@ -99,7 +104,10 @@ SphericalRectangle::SphericalRectangle(Vector3 p, Vector3 corner, Vector3 edge_x
 
 double SphericalRectangle::solid_angle_up_to(double x) const {
     const Vector3d v00(x0_, y0_, z_), v10(x, y0_, z_), v11(x, y1_, z_), v01(x0_, y1_, z_);
-    return solid_angle_of(v00, v10, v11) + solid_angle_of(v00, v11, v01);
+    // Arguments add up in a product: one arctangent for both triangles. Their sum is at most π,
+    // which rounding may turn into −π.
+    const double half = std::arg(half_solid_angle(v00, v10, v11) * half_solid_angle(v00, v11, v01));
+    return half < 0 ? 2 * std::numbers::pi : 2 * half;
 }
 
 Vector2 SphericalRectangle::sample(Vector2d u) const {

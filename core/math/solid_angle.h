@@ -19,6 +19,13 @@ constexpr bool sample_by_solid_angle(double solid_angle) {
     return solid_angle > 3e-4 && solid_angle < 6.22;
 }
 
+/// True if a flat polygon of extent `diagonal` is so far from the reference point (squared distance
+/// `distance2` to one of its points) that sampling by area is as good: its points then differ
+/// little in distance and cosine, and the solid angle need not be known at all.
+constexpr bool sample_by_area(float diagonal, float distance2) {
+    return distance2 > 36 * diagonal * diagonal;
+}
+
 /// Solid angle [sr] of the triangle, in [0, 2π] (Van Oosterom and Strackee 1983). The determinant
 /// is taken of edge differences, because that of unit vectors cancels for small triangles.
 double triangle_solid_angle(Vector3d p, Vector3d v0, Vector3d v1, Vector3d v2);

@@ -102,7 +102,10 @@ void Diagnostics::throw_if_errors() const {
 SceneError::SceneError(std::vector<Diagnostic> diagnostics)
     : Error([&] {
           std::string text;
-          for (const Diagnostic& d : diagnostics) text += (text.empty() ? "" : "\n") + d.text();
+          for (const Diagnostic& d : diagnostics) {
+              if (!text.empty()) text += '\n';
+              text += d.text();
+          }
           return text;
       }()),
       diagnostics_(std::move(diagnostics)) {}

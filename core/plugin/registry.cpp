@@ -37,6 +37,7 @@ struct Alias {
 /// Names of other versions of the scene format.
 constexpr std::array aliases{
     Alias{"film", "ldrfilm", "hdrfilm"},
+    Alias{"integrator", "photonmapper", "photonmap"},
     Alias{"sampler", "ldsampler", "sobol"},
     Alias{"sampler", "orthogonal", "multijitter"},
 };

@@ -9,9 +9,9 @@ namespace lucerna {
 
 /// A render stops at the first limit that it reaches. There must be one.
 struct RenderBudget {
-    std::optional<std::uint64_t> samples;  ///< per pixel
-    std::optional<double> seconds;         ///< of this run, without loading and building
-    std::optional<double> error;           ///< relative MSE (error_estimate.h)
+    std::optional<std::uint64_t> samples = {};  ///< per pixel
+    std::optional<double> seconds = {};         ///< of this run, without loading and building
+    std::optional<double> error = {};           ///< relative MSE (error_estimate.h)
 };
 
 /// Samples begin, …, end − 1 of every pixel.

@@ -7,7 +7,10 @@
 #pragma once
 
 #include "core/interfaces/rfilter.h"
-#include "core/math/distribution.h"
+#include "core/math/vector.h"
+
+#include <cstdint>
+#include <vector>
 
 namespace lucerna {
 
@@ -29,9 +32,23 @@ public:
     double negative_weight() const { return negative_weight_; }
 
 private:
-    float radius_;
-    PiecewiseConstant1D density_;
-    std::vector<bool> negative_;
+    struct Offset {
+        float x;
+        bool negative;
+    };
+    Offset sample_1d(float u) const;
+
+    /// The filter is constant in each of equally wide cells.
+    struct Cell {
+        double begin;  ///< probability of all cells before
+        double scale;  ///< width over probability [pixels]
+        float x;       ///< left end [pixels]
+        bool negative;
+    };
+    std::vector<Cell> cells_;
+    /// guide_[i] is the cell in which u = i / guide_.size() lies: a search has few steps to go
+    /// (Chen and Asau 1974).
+    std::vector<std::uint32_t> guide_;
     double negative_weight_ = 0;
 };
 

@@ -5,7 +5,7 @@
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
-#include <oneapi/tbb/task_scheduler_observer.h>
+#include <oneapi/tbb/task_group.h>
 
 #if defined(__SSE__)
 #include <immintrin.h>
@@ -15,45 +15,35 @@ namespace lucerna {
 
 namespace {
 
-/// Sets the mode of each thread that enters the arena, and restores it when the thread leaves:
-/// a thread that comes from outside keeps its own.
-class FlushDenormals final : public tbb::task_scheduler_observer {
+/// Denormals are zero on this thread as long as it lives.
+class FlushDenormals {
 public:
-    explicit FlushDenormals(tbb::task_arena& arena) : task_scheduler_observer(arena) {
-        observe(true);
-    }
-    ~FlushDenormals() override { observe(false); }
-
 #if defined(__SSE__)
-    void on_scheduler_entry(bool) override {
-        before_ = _mm_getcsr();
-        _mm_setcsr(before_ | 0x8040u);  // FTZ and DAZ
-    }
-    void on_scheduler_exit(bool) override { _mm_setcsr(before_); }
+    FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040u); }
+    ~FlushDenormals() { _mm_setcsr(before_); }
+    FlushDenormals(const FlushDenormals&) = delete;
+    FlushDenormals& operator=(const FlushDenormals&) = delete;
 
 private:
-    static thread_local unsigned before_;
+    unsigned before_;
 #endif
 };
-
-#if defined(__SSE__)
-thread_local unsigned FlushDenormals::before_ = 0x1f80;
-#endif
 
 }  // namespace
 
 struct Workers::State {
     explicit State(int threads)
-        : count(threads > 0 ? threads : tbb::info::default_concurrency()),
-          // Without it there are never more threads than processors.
-          limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)),
-          arena(count),
-          flush_denormals(arena) {}
+        // Without it there are never more threads than processors.
+        : limit(Control::max_allowed_parallelism,
+                static_cast<std::size_t>(threads > 0 ? threads : tbb::info::default_concurrency())),
+          // Others can have set a lower limit: Embree does.
+          count(static_cast<int>(Control::active_value(Control::max_allowed_parallelism))),
+          arena(count) {}
 
+    using Control = tbb::global_control;
+    Control limit;
     int count;
-    tbb::global_control limit;
     tbb::task_arena arena;
-    FlushDenormals flush_denormals;
 };
 
 Workers::Workers(int count) : state_(std::make_unique<State>(count)) {}
@@ -63,8 +53,14 @@ Workers::~Workers() = default;
 int Workers::count() const { return state_->count; }
 
 void Workers::run(std::int64_t count, const std::function<void(std::int64_t)>& task) const {
-    state_->arena.execute(
-        [&] { tbb::parallel_for(std::int64_t{0}, count, task, tbb::simple_partitioner{}); });
+    // TBB gives every thread that works for a context the mode in which the context was made, and
+    // takes it away again. (A task_scheduler_observer comes too early: its mode is overwritten.)
+    using Context = tbb::task_group_context;
+    const FlushDenormals flush_denormals;
+    Context context(Context::isolated, Context::default_traits | Context::fp_settings);
+    state_->arena.execute([&] {
+        tbb::parallel_for(std::int64_t{0}, count, task, tbb::simple_partitioner{}, context);
+    });
 }
 
 }  // namespace lucerna

@@ -12,7 +12,8 @@ namespace lucerna {
 /// denormal numbers are zero (FTZ and DAZ, as Embree asks), on every thread alike.
 class Workers {
 public:
-    /// `count` threads; 0: one for each processor that the process may use.
+    /// `count` threads; 0: one for each processor that the process may use. There can be fewer if
+    /// another library has limited the threads of the process.
     explicit Workers(int count = 0);
     ~Workers();
     Workers(const Workers&) = delete;

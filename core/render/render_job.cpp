@@ -143,6 +143,7 @@ void RenderJob::sample_pixel(SampleRange range, Vector2i pixel, const Estimator&
         PixelSample sample;
         std::fill(layers.begin(), layers.end(), 0.0f);
         sample.layers = layers;
+        sample.pixel = index;
         estimator(ray, stream, sample);
         state_.add(index, film.negative, sample);
     }

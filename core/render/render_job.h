@@ -23,24 +23,24 @@ namespace lucerna {
 
 /// How far a render is.
 struct RenderStatus {
-    double seconds = 0;                  ///< since it began
-    double fraction = 0;                 ///< of the budget, in [0, 1]
-    std::optional<double> seconds_left;  ///< an estimate
-    double samples = 0;                  ///< per pixel, done in this run and before
+    double seconds = 0;                       ///< since it began
+    double fraction = 0;                      ///< of the budget, in [0, 1]
+    std::optional<double> seconds_left = {};  ///< an estimate
+    double samples = 0;                       ///< per pixel, done in this run and before
     double rays_per_second = 0;
-    std::optional<ErrorEstimate> error;  ///< the last one that was computed
+    std::optional<ErrorEstimate> error = {};  ///< the last one that was computed
 };
 
 struct RenderOptions {
-    RenderBudget budget;
+    RenderBudget budget = {};
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: all processors
     /// Asked often, by many threads; true ends the render within milliseconds.
-    std::function<bool()> interrupted;
+    std::function<bool()> interrupted = {};
     /// Called about ten times a second, from any thread, but never from two at once.
-    std::function<void(const RenderStatus&)> progress;
+    std::function<void(const RenderStatus&)> progress = {};
     /// Called after every pass, on the thread that renders.
-    std::function<void(const RenderStatus&, const FilmState&)> after_pass;
+    std::function<void(const RenderStatus&, const FilmState&)> after_pass = {};
 };
 
 class RenderJob {

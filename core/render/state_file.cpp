@@ -55,10 +55,10 @@ struct Header {
     std::uint64_t scene_hash, seed, first_sample;
     double negative_weight, seconds;
 
+    /// Not of the seconds: two states with the same sums have the same checksum.
     std::uint64_t hash() const {
         std::uint64_t h =
-            hash64({scene_hash, seed, first_sample, std::bit_cast<std::uint64_t>(negative_weight),
-                    std::bit_cast<std::uint64_t>(seconds)});
+            hash64({scene_hash, seed, first_sample, std::bit_cast<std::uint64_t>(negative_weight)});
         for (const char c : version + "\n" + layers) {
             h = hash_combine(h, static_cast<unsigned char>(c));
         }

@@ -15,7 +15,7 @@ const char* type_name(const PropertyValue& value) {
 
 namespace {
 
-/// Chains 64-bit words by the finalizer of SplitMix64 (Steele, Lea, Flood 2014; constants by Stafford).
+/// Chains 64-bit words by the finalizer of SplitMix64 (Steele, Lea, Flood 2014).
 class Hasher {
 public:
     explicit Hasher(std::size_t elements) { numbers_.reserve(elements); }

@@ -129,9 +129,27 @@ struct Mesh::Triangle {
     /// Zero for a degenerate triangle.
     Vector3d scaled_normal() const { return lucerna::scaled_normal(v0, v1, v2); }
     Vector3 normal() const {
+        // In float unless the triangle is so thin that the cross product cancels.
+        const Vector3 e1 = v1 - v0, e2 = v2 - v0;
+        const Vector3 c = glm::cross(e1, e2);
+        const float length2 = glm::dot(c, c), scale2 = glm::dot(e1, e1) * glm::dot(e2, e2);
+        constexpr float smallest = 1e-30f, largest = 1e30f;  // no square over- or underflows
+        if (length2 > 0.01f * scale2 && length2 > smallest && scale2 < largest) {
+            return c / std::sqrt(length2);
+        }
         const Vector3d n = scaled_normal();
         const double length = glm::length(n);
         return length > 0 ? Vector3(n / length) : Vector3(0, 0, 1);
+    }
+    /// Empty if the triangle is to be sampled by area from there.
+    std::optional<double> solid_angle_from(Vector3 p) const {
+        const float diagonal = std::sqrt(std::max(
+            {glm::dot(v1 - v0, v1 - v0), glm::dot(v2 - v1, v2 - v1), glm::dot(v0 - v2, v0 - v2)}));
+        if (sample_by_area(diagonal, glm::dot(v0 - p, v0 - p))) return {};
+        const double solid_angle =
+            triangle_solid_angle(Vector3d(p), Vector3d(v0), Vector3d(v1), Vector3d(v2));
+        if (!sample_by_solid_angle(solid_angle)) return {};
+        return solid_angle;
     }
     Vector3 point(Vector3 b) const { return b.x * v0 + b.y * v1 + b.z * v2; }
     /// The rounding error of `point`, for all coordinates alike: a bound for each would be zero
@@ -220,8 +238,9 @@ void Mesh::fill_derivatives(const Triangle& t, Interaction& at) const {
     const float a = duv1.x * duv2.y, b = duv1.y * duv2.x;
     const float determinant = a - b;
     if (std::abs(determinant) > 1e-6f * (std::abs(a) + std::abs(b))) {
-        at.dpdu = (duv2.y * edge1 - duv1.y * edge2) / determinant;
-        at.dpdv = (duv1.x * edge2 - duv2.x * edge1) / determinant;
+        const float scale = 1 / determinant;
+        at.dpdu = scale * (duv2.y * edge1 - duv1.y * edge2);
+        at.dpdv = scale * (duv1.x * edge2 - duv2.x * edge1);
         if (is_finite(at.dpdu) && is_finite(at.dpdv)) return;
     }
     // The texture is squeezed into a line here: any tangents will do.
@@ -267,9 +286,7 @@ SurfaceSample Mesh::sample_area(std::uint32_t primitive, Vector2 u) const {
 std::optional<SurfaceSample> Mesh::sample_solid_angle(std::uint32_t primitive, const Receiver& from,
                                                       Vector2 u) const {
     const Triangle t = triangle(primitive);
-    const double solid_angle =
-        triangle_solid_angle(Vector3d(from.p), Vector3d(t.v0), Vector3d(t.v1), Vector3d(t.v2));
-    if (!sample_by_solid_angle(solid_angle)) return Shape::sample_solid_angle(primitive, from, u);
+    if (!t.solid_angle_from(from.p)) return Shape::sample_solid_angle(primitive, from, u);
     const SphericalTriangle seen(from.p, t.v0, t.v1, t.v2);
     const Vector2 b = seen.sample(Vector2d(u)).barycentrics;
     SurfaceSample sample = sample_at(primitive, {b.x, b.y, 1 - b.x - b.y});
@@ -279,10 +296,8 @@ std::optional<SurfaceSample> Mesh::sample_solid_angle(std::uint32_t primitive, c
 
 float Mesh::pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3 wi,
                             const Interaction& hit) const {
-    const Triangle t = triangle(primitive);
-    const double solid_angle =
-        triangle_solid_angle(Vector3d(from.p), Vector3d(t.v0), Vector3d(t.v1), Vector3d(t.v2));
-    if (sample_by_solid_angle(solid_angle)) return static_cast<float>(1 / solid_angle);
+    const std::optional<double> solid_angle = triangle(primitive).solid_angle_from(from.p);
+    if (solid_angle) return static_cast<float>(1 / *solid_angle);
     return Shape::pdf_solid_angle(primitive, from, wi, hit);
 }
 

@@ -127,7 +127,9 @@ std::optional<Vector3d> PropertyReader::read_triple(const Tag& tag, double absen
     }
     Vector3d result(absent);
     bool valid = true;
-    for (const auto& [axis, i] : {std::pair{"x", 0}, std::pair{"y", 1}, std::pair{"z", 2}}) {
+    for (int i = 0; i < 3; ++i) {
+        const std::string_view axis =
+            std::string_view("xyz").substr(static_cast<std::size_t>(i), 1);
         if (!tag.has(axis)) continue;
         const auto number = attempt(tag, axis, [&] { return parse_float(tag.value(axis)); });
         valid = valid && number;

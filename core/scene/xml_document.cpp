@@ -15,7 +15,9 @@ namespace {
 
 void report_mismatch(const SourceFile& source, std::size_t at, Diagnostics& diagnostics) {
     const std::string_view text = source.text;
-    const std::size_t end = at < text.size() ? text.rfind("</", at) : std::string_view::npos;
+    // pugixml stops behind the "</" of a wrong end tag, or at the end of the text.
+    const bool at_tag = at >= 2 && text.substr(at - 2).starts_with("</");
+    const std::size_t end = at_tag ? at - 2 : std::string_view::npos;
     const std::size_t open = open_element(text, std::min(end, text.size()));
     if (open == std::string_view::npos) {
         diagnostics.error({&source, std::min(end, at)}, "this end tag has no beginning");

@@ -7,13 +7,14 @@
 
 namespace lucerna {
 
+/// Wider than any substance; beyond it squares and quotients leave the range of floats.
+inline constexpr Range ior_range{.min = 0.01, .max = 1000};
+
 /// `<float name="int_ior" value="1.5"/>` or `<string name="int_ior" value="bk7"/>`.
 inline float index_of_refraction(const Params& params, std::string_view name,
                                  std::string_view default_name, std::string_view doc) {
     const double default_value = dielectric_ior(default_name).value_or(1);
-    if (!params.is_word(name)) {
-        return params.real(name, default_value, positive, doc);
-    }
+    if (!params.is_word(name)) return params.real(name, default_value, ior_range, doc);
     const std::string word = params.string(name, default_name, doc);
     const std::optional<double> value = dielectric_ior(word);
     if (!value) {

@@ -75,13 +75,16 @@ private:
                            TransportMode mode) const {
         const float there = relative_eta(wo.z, glass_.eta);
         // In double: for nearly equal indices the sum almost vanishes.
-        const Vector3d sum = Vector3d(wi) * static_cast<double>(there) + Vector3d(wo);
-        const Vector3 m(glm::normalize(sum.z < 0 ? -sum : sum));
-        const float o = glm::dot(wo, m), i = glm::dot(wi, m);
+        const Vector3d o(wo), i(wi), sum = i * static_cast<double>(there) + o;
+        const Vector3d m = glm::normalize(sum.z < 0 ? -sum : sum);
+        const double om = glm::dot(o, m), im = glm::dot(i, m);
         // Facets must be seen from the side on which the direction lies.
-        if (!(o * wo.z > 0 && i * wi.z > 0)) return {};
-        const float density = facets.D(m) * std::abs(o * i) / sqr(i + o / there) *
-                              (1 - fresnel_dielectric(o, glass_.eta));
+        if (!(om * o.z > 0 && im * i.z > 0)) return {};
+        // From the thinner side, where F is not steep: both directions then give the same.
+        const float reflected =
+            fresnel_dielectric(static_cast<float>(there > 1 ? om : im), glass_.eta);
+        const double jacobian = std::abs(om * im) / sqr(im + om / static_cast<double>(there));
+        const float density = facets.D(Vector3(m)) * static_cast<float>(jacobian) * (1 - reflected);
         return {glass_.transmitted(uv, there, mode) * (density * facets.visibility(wo, wi)),
                 density / facets.visible_area(wo)};
     }

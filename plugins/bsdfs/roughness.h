@@ -8,12 +8,14 @@
 namespace lucerna {
 
 inline Microfacet::Type distribution_type(const Params& params) {
+    const Microfacet::Type type =
+        params.choice("distribution", Microfacet::Type::beckmann,
+                      {{"beckmann", Microfacet::Type::beckmann}, {"ggx", Microfacet::Type::ggx}},
+                      "distribution of the facets' normals");
     if (!params.boolean("sample_visible", true, "draw among the visible normals only")) {
         params.warning("sample_visible", "normals are always drawn among the visible ones");
     }
-    return params.choice("distribution", Microfacet::Type::beckmann,
-                         {{"beckmann", Microfacet::Type::beckmann}, {"ggx", Microfacet::Type::ggx}},
-                         "distribution of the facets' normals");
+    return type;
 }
 
 /// A microfacet distribution whose widths may vary over the surface and with the direction.

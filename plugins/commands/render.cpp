@@ -86,6 +86,19 @@ void declare_how(Arguments& arguments, Request& request) {
         "loaded, 5 file cannot be read or written, 130 interrupted.");
 }
 
+/// What is wrong with the arguments taken together, or empty.
+std::string contradiction(const Request& request) {
+    if (request.checkpoint.empty()) return request.resume ? "--resume needs --checkpoint FILE" : "";
+    const PicturePaths pictures(request.output, request.scene);
+    const fs::path checkpoint = fs::weakly_canonical(request.checkpoint);
+    for (const fs::path& picture : {pictures.exr, pictures.png}) {
+        if (checkpoint != fs::weakly_canonical(picture)) continue;
+        return fmt::format("the picture {} would replace the checkpoint; give them different names",
+                           picture.string());
+    }
+    return "";
+}
+
 SessionSettings session_settings(const Request& request) {
     SessionSettings settings;
     settings.scene = request.scene;
@@ -249,8 +262,9 @@ public:
         declare_what(arguments, request);
         declare_how(arguments, request);
         if (const std::optional<int> code = arguments.parse(words)) return *code;
-        if (request.resume && request.checkpoint.empty()) {
-            fmt::print(stderr, "lucerna render: --resume needs --checkpoint FILE\n");
+        const std::string problem = contradiction(request);
+        if (!problem.empty()) {
+            fmt::print(stderr, "lucerna render: {}\n", problem);
             return exit_code::usage;
         }
         ignore_write_signals();

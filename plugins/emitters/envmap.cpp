@@ -73,8 +73,8 @@ public:
         const std::size_t bad = take_texels(image, scale);
         if (bad > 0) {
             params.warning("filename",
-                           fmt::format("{}: {} of {} texels are negative or not finite; they are "
-                                       "taken as 0",
+                           fmt::format("{}: {} of {} texels are negative or not finite; such "
+                                       "values are taken as 0",
                                        path.string(), bad, texels_.size()));
         }
         build_table();
@@ -129,17 +129,19 @@ private:
         return {world_from_map_.to_world(d), lookup(at.p), at.pdf / (2 * pi * pi * sin_theta)};
     }
 
-    /// Copies the colours; returns the number of texels that cannot be.
+    /// Copies the colours; returns the number of texels that cannot be. Channels just below zero
+    /// come from conversions between colour spaces.
     std::size_t take_texels(const Image& image, float scale) {
+        constexpr float tolerance = 1e-5f;
         width_ = image.width;
         height_ = image.height;
         texels_.resize(image.pixel_count());
         std::size_t bad = 0;
         for (std::size_t i = 0; i < texels_.size(); ++i) {
             const Color c = scale * image.rgb(i);
-            const bool good = is_finite(c) && min_component(c) >= 0;
-            texels_[i] = good ? c : Color(0);
-            bad += good ? 0 : 1;
+            const bool finite = is_finite(c);
+            texels_[i] = finite ? glm::max(c, Color(0)) : Color(0);
+            bad += !finite || min_component(c) < -tolerance * max_component(glm::abs(c));
         }
         return bad;
     }

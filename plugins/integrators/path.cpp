@@ -39,7 +39,8 @@ private:
         bool specular = true;  ///< light sampling could not have found the next vertex
     };
     static constexpr std::uint32_t camera_dimensions = 4;
-    static constexpr std::uint32_t bsdf_dimensions = 4;  // lobe, direction, roulette
+    // Of a bounce: lobe, direction, light samples, roulette.
+    static constexpr std::uint32_t bsdf_dimensions = 4;
 
     Color environment(const Scene& scene, const Vertex& before, Vector3 d) const;
     Color emission(const Scene& scene, const Vertex& before, const Interaction& at,
@@ -102,10 +103,11 @@ void PathIntegrator::sample(const Scene& scene, const Ray& camera_ray, SampleStr
         if (depth + 1 >= max_depth) return;
 
         // Light sampled directly
-        stream.jump_to(camera_dimensions + static_cast<std::uint32_t>(depth) * dimensions_);
+        const std::uint32_t dimension =
+            camera_dimensions + static_cast<std::uint32_t>(depth) * dimensions_;
+        stream.jump_to(dimension);
         const float u_lobe = stream.next_1d();
         const Vector2 u_direction = stream.next_2d();
-        const float u_roulette = stream.next_1d();
         const BSDF& bsdf = *at.shape->bsdf();
         if (any(bsdf.lobes() & smooth_lobes)) {
             result.radiance +=
@@ -128,7 +130,8 @@ void PathIntegrator::sample(const Scene& scene, const Ray& camera_ray, SampleStr
         // End dim paths, without changing the mean
         if (depth + 1 >= rr_depth_) {
             const float survival = std::min(max_component(beta) * eta2, 0.95f);
-            if (!(u_roulette < survival)) return;
+            stream.jump_to(dimension + dimensions_ - 1);
+            if (!(stream.next_1d() < survival)) return;
             beta /= survival;
         }
     }

@@ -19,6 +19,10 @@ protected:
         params.no_effect("scramble", "sequences are always scrambled");
     }
 
+    /// Another number for every sequence and dimension, not mixed; sequences are hashes already.
+    std::uint64_t raw_key(std::uint64_t sequence, std::uint32_t dimension) const {
+        return sequence + seed_ + dimension * 0xbf58476d1ce4e5b9u;
+    }
     /// Well mixed, and another one for every sequence and dimension.
     std::uint64_t key(std::uint64_t sequence, std::uint32_t dimension) const {
         return mix64(mix64(sequence + seed_) + dimension * 0x9e3779b97f4a7c15u);
@@ -28,26 +32,26 @@ private:
     std::uint64_t seed_;
 };
 
-/// Image of `i` < n under a random permutation of 0 … n − 1, one for each key.
+/// Image of `i` < n under a random permutation of 0 … n − 1, one for each key; n <= 2³¹.
 ///
 /// Steps that permute all numbers of as many bits as n − 1 has, repeated until the result is
-/// below n ("cycle walking": Black and Rogaway 2002). On average that takes less than two rounds.
+/// below n ("cycle walking": Black and Rogaway 2002), which takes less than two rounds on average.
+/// The rotation at the end makes every image of every i exactly equally likely.
 inline std::uint32_t permute(std::uint32_t i, std::uint32_t n, std::uint64_t key) {
     const auto bits = static_cast<int>(std::bit_width(n - 1));
     const auto mask = static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1);
     const int shift = (bits + 1) / 2;
-    const auto low = static_cast<std::uint32_t>(key), high = static_cast<std::uint32_t>(key >> 32);
     do {
-        // Odd factors and additions carry upwards, shifts bring high bits down: each is invertible.
-        i = (i + low) * ((high << 1) | 1) & mask;
-        i ^= i >> shift;
-        i = (i + high) * ((low << 1) | 1) & mask;
-        i ^= i >> shift;
-        i = (i ^ (low >> 7)) * 0x9e3779b1u & mask;
-        i ^= i >> shift;
-        i = (i + (high >> 11)) * 0x85ebca6bu & mask;
+        std::uint64_t k = key;
+        for (int step = 0; step < 5; ++step) {
+            // Odd factors carry upwards, the shift brings high bits down: both are invertible.
+            k = mix64(k + 0x9e3779b97f4a7c15u);
+            i = (i + static_cast<std::uint32_t>(k)) * (static_cast<std::uint32_t>(k >> 32) | 1);
+            i &= mask;
+            i ^= i >> shift;
+        }
     } while (i >= n);
-    return i;
+    return (i + static_cast<std::uint32_t>(mix64(~key) % n)) % n;
 }
 
 }  // namespace lucerna

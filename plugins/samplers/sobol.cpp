@@ -16,12 +16,12 @@ public:
 
     float sample_1d(std::uint64_t sequence, std::uint64_t index,
                     std::uint32_t dimension) const override {
-        return sobol_owen_1d(index, key(sequence, dimension));
+        return sobol_owen_1d(index, raw_key(sequence, dimension));
     }
 
     Vector2 sample_2d(std::uint64_t sequence, std::uint64_t index,
                       std::uint32_t dimension) const override {
-        return sobol_owen_2d(index, key(sequence, dimension));
+        return sobol_owen_2d(index, raw_key(sequence, dimension));
     }
 };
 

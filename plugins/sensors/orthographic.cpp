@@ -26,6 +26,22 @@ public:
         return clipped(corner_ + position.x * per_column_ + position.y * per_row_, view_, 1);
     }
 
+    std::optional<SensorConnection> connect(Vector3 p, Vector2) const override {
+        // Solves column · a + row · b + view · depth = p − corner (Cramer's rule).
+        const Vector3 normal = glm::cross(per_column_, per_row_);
+        const float volume = glm::dot(normal, view_);
+        const Vector3 d = p - corner_;
+        const float depth = glm::dot(normal, d) / volume;
+        if (volume == 0 || !in_depth_range(depth)) return {};
+        const Vector2 position(glm::dot(d, glm::cross(per_row_, view_)) / volume,
+                               glm::dot(d, glm::cross(view_, per_column_)) / volume);
+        return SensorConnection{.position = position,
+                                .p = p - (depth - near_clip()) * view_,
+                                .wi = -view_,
+                                .distance = depth - near_clip(),
+                                .importance = 1 / std::abs(volume)};
+    }
+
 private:
     Vector3 corner_, per_column_, per_row_;  ///< upper left corner of the film, steps of a pixel
     Vector3 view_;

@@ -22,6 +22,10 @@ public:
         const Vector3 d = glm::normalize(Vector3(at_unit_depth(position), 1));
         return clipped(origin(), to_world(d), d.z);
     }
+
+    std::optional<SensorConnection> connect(Vector3 p, Vector2) const override {
+        return connect_through(Vector2(0), infinity, p);
+    }
 };
 
 }  // namespace

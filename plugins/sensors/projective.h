@@ -33,6 +33,8 @@ protected:
         return {.o = o + start * d, .d = d, .tmax = far_clip_ / cosine - start};
     }
 
+    bool in_depth_range(float depth) const { return depth >= near_clip_ && depth <= far_clip_; }
+    float near_clip() const { return near_clip_; }
     float far_clip() const { return far_clip_; }
 
 private:
@@ -111,6 +113,24 @@ protected:
 
     Vector3 to_world(Vector3 direction) const { return axes_.to_world(direction); }
     Vector3 origin() const { return origin_; }
+
+    /// Where `p` (world) is seen through the point `lens` of the plane z = 0 of camera space. All
+    /// lines through a film position meet at the depth `focus`; it may be infinite. The film at
+    /// the depth 1 covers dω / cos³ of the directions, and dω is dA / d² (pbrt 3e, 16.1.1).
+    std::optional<SensorConnection> connect_through(Vector2 lens, float focus, Vector3 p) const {
+        const Vector3 q = axes_.to_local(p - origin_);
+        if (!in_depth_range(q.z)) return {};
+        const Vector3 to_point = q - Vector3(lens, 0);
+        const float distance = glm::length(to_point);
+        const Vector2 at_depth_1 = Vector2(to_point) / to_point.z + lens / focus;
+        const float cosine = to_point.z / distance;
+        return SensorConnection{
+            .position = (corner_ - at_depth_1) / pixel_,
+            .p = origin_ + to_world(Vector3(lens, 0) + to_point * (near_clip() / to_point.z)),
+            .wi = to_world(-to_point / distance),
+            .distance = distance - near_clip() / cosine,
+            .importance = 1 / (sqr(pixel_ * distance) * cosine * cosine * cosine)};
+    }
 
 private:
     float pixel_ = 0;    ///< side of a pixel at the depth 1

@@ -33,6 +33,11 @@ public:
         return clipped(origin() + to_world(Vector3(lens, 0)), to_world(d), d.z);
     }
 
+    std::optional<SensorConnection> connect(Vector3 p, Vector2 u_lens) const override {
+        const Vector2 lens = aperture_radius_ * square_to_uniform_disk(u_lens);
+        return connect_through(lens, focus_distance_, p);
+    }
+
 private:
     float aperture_radius_, focus_distance_;
 };

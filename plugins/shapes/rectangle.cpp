@@ -4,8 +4,9 @@
 ///   to_world      transform          any affine transform: it may become a parallelogram
 ///   flip_normals  boolean    false   faces −z
 ///
-/// u runs along x, v against y (core/scene/mesh.h tells why). As a light it is sampled by solid angle (Ureña, Fajardo and King
-/// 2013), where it is no longer a rectangle, or is tiny or very near, by area.
+/// u runs along x, v against y (core/scene/mesh.h tells why). As a light it is sampled by solid
+/// angle (Ureña, Fajardo and King 2013); where it is no longer a rectangle, or is far or very near,
+/// by area.
 #include "core/interfaces/shape.h"
 #include "core/math/rounding.h"
 #include "core/math/solid_angle.h"
@@ -21,6 +22,8 @@ public:
         corner_ = Vector3(world_from_object().point(Vector3d(-1, 1, 0)));
         edge_u_ = Vector3(edge_u);
         edge_v_ = Vector3(edge_v);
+        center_ = corner_ + 0.5f * (edge_u_ + edge_v_);
+        diagonal_ = std::max(glm::length(edge_u_ + edge_v_), glm::length(edge_u_ - edge_v_));
         n_ = Vector3(glm::normalize(world_from_object().normal(Vector3d(0, 0, 1))));
         if (flip_normals()) n_ = -n_;
         area_ = static_cast<float>(glm::length(glm::cross(edge_u, edge_v)));
@@ -81,14 +84,15 @@ public:
 private:
     /// Empty if the rectangle must be sampled by area from there.
     std::optional<SphericalRectangle> seen_from(Vector3 p) const {
-        if (!perpendicular_) return {};
+        const Vector3 d = center_ - p;
+        if (!perpendicular_ || sample_by_area(diagonal_, glm::dot(d, d))) return {};
         const SphericalRectangle seen(p, corner_, edge_u_, edge_v_);
         if (!sample_by_solid_angle(seen.solid_angle())) return {};
         return seen;
     }
 
-    Vector3 corner_, edge_u_, edge_v_, n_;
-    float area_, error_;
+    Vector3 corner_, edge_u_, edge_v_, center_, n_;
+    float area_, diagonal_, error_;
     bool perpendicular_;
 };
 

@@ -42,6 +42,7 @@ Function* embree_function(const char* name) {
 
 }  // namespace
 
+#pragma GCC visibility push(default)  // or the core library would not find them
 #if RTC_VERSION_MAJOR >= 4
 
 extern "C" void rtcIntersect1(RTCScene scene, RTCRayHit* ray, RTCIntersectArguments* arguments) {
@@ -98,6 +99,7 @@ void bare_occluded(RTCScene scene, RTCRay* ray) {
 }  // namespace
 
 #endif
+#pragma GCC visibility pop
 
 namespace lucerna {
 

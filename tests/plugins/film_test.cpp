@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What every film must satisfy, and what hdrfilm writes.
+#include "core/interfaces/film.h"
 #include "core/image/color.h"
 #include "core/image/exr.h"
 #include "core/image/png.h"
-#include "core/interfaces/film.h"
 #include "tests/plugins/workshop.h"
 
 #include <gtest/gtest.h>
@@ -117,8 +117,8 @@ TEST_F(Films, H8_HalfPrecisionIsFiniteAndFloatExact) {
 }
 
 TEST_F(Films, LdrfilmWritesAnEncodedPNG) {
-    const Film& f = workshop_.make<Film>(
-        film("ldrfilm", word("pixel_format", "rgba") + number("exposure", 1)));
+    const Film& f =
+        workshop_.make<Film>(film("ldrfilm", word("pixel_format", "rgba") + number("exposure", 1)));
     EXPECT_NE(workshop_.warnings().find("\"exposure\" has no effect"), std::string::npos);
     EXPECT_STREQ(f.extension(), ".png");
     f.write(picture(), folder_ / "a.png");

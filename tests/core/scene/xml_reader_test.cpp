@@ -148,7 +148,8 @@ TEST(XmlReader, ReferencesAndAliases) {
 TEST(XmlReader, DefaultsAndDefinitions) {
     const std::string text = scene(R"(<default name="w" value="64"/> <default name="w" value="1"/>
         <default name="file" value="mesh_${w}.obj"/>
-        <shape type="obj"><integer name="w" value="$w"/><string name="f" value="a/$file"/></shape>)");
+        <shape type="obj"><integer name="w" value="$w"/>
+            <string name="f" value="a/$file"/></shape>)");
     Description d = read_valid(text);
     EXPECT_EQ(value_of<std::int64_t>(first_object(d), "w"), 64);
     EXPECT_EQ(value_of<std::string>(first_object(d), "f"), "a/mesh_64.obj");

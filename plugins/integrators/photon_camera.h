@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The part of a camera path that photon mapping leaves to ray tracing: through mirrors, glass and
+/// glossy surfaces, up to the first one that stores photons.
+///
+/// Each path of light is found in one way only. Between the camera and that surface it is traced,
+/// as by `path`; from there to the light it belongs to the photons, or to light sampling.
+#pragma once
+
+#include "plugins/integrators/light_sampling.h"
+#include "plugins/integrators/photon_tracing.h"
+
+namespace lucerna {
+
+/// Edges of the longest path, where a scene says "unlimited".
+inline constexpr int unlimited_depth = 1 << 20;
+
+/// What photon integrators have in common with `path`.
+struct PathLimits {
+    explicit PathLimits(const Params& params)
+        : max_depth(params.int32("max_depth", -1, {.min = -1},
+                                 "longest path in edges, photon and camera together: 1 shows only "
+                                 "emitters, 2 direct light; -1 is unlimited")),
+          rr_depth(params.int32("rr_depth", 1, {.min = 1},
+                                "edges before Russian roulette may end the path of a photon")) {
+        if (max_depth < 0) max_depth = unlimited_depth;
+    }
+
+    int max_depth, rr_depth;
+};
+
+class CameraWalk {
+public:
+    struct Settings {
+        int max_depth = 0;
+        bool hide_emitters = false;  ///< from the camera, not from mirrors
+        bool lights = true;          ///< false: returns only what is gathered
+        std::uint32_t gather_dimensions =
+            0;  ///< numbers that the callback takes, if not for lights
+    };
+
+    CameraWalk(const Scene& scene, const LightSampler& light_sampler, const Settings& settings)
+        : scene_(scene),
+          light_sampler_(light_sampler),
+          settings_(settings),
+          dimensions_(bsdf_dimensions + light_dimensions(light_sampler) +
+                      settings.gather_dimensions) {}
+
+    /// Fills a camera sample. gather(at, wo, edges) returns the radiance that leaves `at`, which
+    /// stores photons, towards `wo`, after so many edges; it may take numbers of the stream.
+    template <typename Gather>
+    void operator()(Ray ray, SampleStream& stream, PixelSample& result, Gather&& gather) const;
+
+private:
+    /// The last vertex, as far as emission found by chance depends on it.
+    struct Vertex {
+        Receiver receiver;
+        float pdf = 0;
+        bool specular = true;  ///< light sampling could not have found the next vertex
+    };
+    static constexpr std::uint32_t camera_dimensions = 4;
+    static constexpr std::uint32_t bsdf_dimensions = 4;  // lobe, direction, roulette
+
+    Color environment(const Vertex& before, Vector3 d) const;
+    Color emission(const Vertex& before, const Interaction& at, Vector3 wo) const;
+
+    const Scene& scene_;
+    const LightSampler& light_sampler_;
+    Settings settings_;
+    std::uint32_t dimensions_;
+};
+
+/// Light from infinity, weighted against having been sampled at the vertex before.
+inline Color CameraWalk::environment(const Vertex& before, Vector3 d) const {
+    Color sum(0);
+    for (const std::uint32_t i : scene_.infinite_lights()) {
+        const Light& light = scene_.lights()[i];
+        const Color radiance = light.emitter->environment(d);
+        if (is_black(radiance)) continue;
+        float weight = 1;
+        if (!before.specular) {
+            const float density = light_sampler_.pmf(before.receiver, i) *
+                                  light.emitter->pdf_li(light, before.receiver, d, nullptr);
+            weight = power_heuristic(before.pdf, density);
+        }
+        sum += weight * radiance;
+    }
+    return sum;
+}
+
+/// Light that a surface emits, weighted in the same way.
+inline Color CameraWalk::emission(const Vertex& before, const Interaction& at, Vector3 wo) const {
+    if (!at.shape->emitter()) return Color(0);
+    const Color radiance = at.shape->emitter()->radiance(at, wo);
+    if (is_black(radiance) || before.specular) return radiance;
+    return radiance * power_heuristic(before.pdf, light_density(light_sampler_, scene_,
+                                                                before.receiver, -wo, at));
+}
+
+template <typename Gather>
+void CameraWalk::operator()(Ray ray, SampleStream& stream, PixelSample& result,
+                            Gather&& gather) const {
+    Vertex vertex;
+    Color beta(1);
+    float eta2 = 1;  // undoes the scaling of radiance by refraction, for Russian roulette
+    for (int edges = 1; edges <= settings_.max_depth; ++edges) {
+        const bool show = settings_.lights && (edges > 1 || !settings_.hide_emitters);
+        const std::optional<Interaction> hit = scene_.intersect(ray);
+        if (!hit) {
+            if (show) result.radiance += beta * environment(vertex, ray.d);
+            if (edges == 1) result.alpha = show && !scene_.infinite_lights().empty() ? 1.0f : 0.0f;
+            return;
+        }
+        const Interaction& at = *hit;
+        const Vector3 wo = -ray.d;
+        if (show) result.radiance += beta * emission(vertex, at, wo);
+        if (edges == settings_.max_depth) return;
+
+        const std::uint32_t dimension =
+            camera_dimensions + static_cast<std::uint32_t>(edges - 1) * dimensions_;
+        stream.jump_to(dimension);
+        const float u_lobe = stream.next_1d();
+        const Vector2 u_direction = stream.next_2d();
+        const BSDF& bsdf = *at.shape->bsdf();
+        const bool gathers = stores_photons(bsdf);
+        if (gathers) {
+            result.radiance += beta * gather(at, wo, edges);
+            if (!any(bsdf.lobes() & delta_lobes)) return;
+        } else if (settings_.lights && any(bsdf.lobes() & smooth_lobes)) {
+            result.radiance +=
+                beta * sample_lights(scene_, light_sampler_, bsdf, at, wo, 1, 1, stream);
+        }
+        const std::optional<BSDFSample> next =
+            bsdf.sample(at, at.to_local(wo), u_lobe, u_direction, TransportMode::radiance);
+        if (!next || is_black(next->weight)) return;
+        if (gathers && !next->specular()) return;  // has been gathered
+        const Vector3 wi = next->lobe == Lobe::null ? ray.d : at.to_world(next->wi);
+        if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) return;
+        beta *= next->weight;
+        eta2 *= sqr(next->eta);
+        vertex = {.receiver = at.receiver(wo, bsdf.sides()),
+                  .pdf = next->pdf,
+                  .specular = next->specular()};
+        ray = at.spawn_ray(wi);
+
+        if (edges >= 5) {
+            const float survival = std::min(max_component(beta) * eta2, 0.95f);
+            stream.jump_to(dimension + dimensions_ - 1);
+            if (!(stream.next_1d() < survival)) return;
+            beta /= survival;
+        }
+    }
+}
+
+}  // namespace lucerna

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+/// photonmap: photon mapping (Jensen 1996) with k-d tree or hash grid, final gathering, and a map
+/// for caustics.
+///
+/// Two passes. Photons leave the lights, scatter, and are stored where they meet diffuse surfaces;
+/// then radiance there is read from their density. Light that comes to a surface directly is
+/// sampled, caustics (L S+ D) have a map of their own if the scene can have any, and `final_gather`
+/// rays look at the map from one bounce away. See docs/photon_mapping.md.
+#include "plugins/integrators/photon_camera.h"
+#include "plugins/integrators/photon_estimate.h"
+
+#include <cstdio>
+
+namespace lucerna {
+
+namespace {
+
+enum class Show { radiance, photons, caustics, global };
+
+/// Radii are fractions of the radius of the scene.
+struct MapSettings {
+    std::int64_t photons;
+    float radius;
+};
+
+class PhotonMapIntegrator final : public Integrator {
+public:
+    explicit PhotonMapIntegrator(const Params& params);
+
+    void render(RenderJob& job) const override;
+
+private:
+    struct Maps {
+        PhotonMap global, caustic;
+    };
+
+    Maps build(const RenderJob& job) const;
+    PhotonMap build(const RenderJob& job, const PhotonTracer& tracer, const MapSettings& settings,
+                    PhotonKinds kinds) const;
+    Color radiance(const PhotonMap& map, const Interaction& at, Vector3 wo, int edges) const;
+    Color dots(const PhotonMap& map, const Interaction& at, Vector3 wo) const;
+    Color gather(const Scene& scene, const Maps& maps, const Interaction& at, Vector3 wo, int edges,
+                 SampleStream& stream) const;
+    Color gather_ray(const Scene& scene, const Maps& maps, Interaction at, Vector3 wo, int edges,
+                     SampleStream& stream) const;
+
+    PathLimits limits_;
+    MapSettings global_, caustic_;
+    float dot_radius_;
+    PhotonLookup lookup_;
+    PhotonStructure structure_;
+    bool direct_from_map_;
+    int final_gather_;
+    Show show_;
+    bool hide_emitters_;
+    const LightSampler& light_sampler_;
+};
+
+PhotonMapIntegrator::PhotonMapIntegrator(const Params& params)
+    : limits_(params),
+      global_{params.integer("global_photons", 250000, {.min = 1, .max = 1e9},
+                             "photons stored in the global map"),
+              params.real("global_lookup_radius", 0.05, positive,
+                          "largest radius of a lookup [radius of the scene]")},
+      caustic_{params.integer("caustic_photons", 250000, {.min = 1, .max = 1e9},
+                              "photons stored in the map of caustics, if there can be any"),
+               params.real("caustic_lookup_radius", 0.0125, positive,
+                           "largest radius of a lookup of caustics [radius of the scene]")},
+      dot_radius_(params.real("dot_radius", 0.0015, positive,
+                              "of a photon that is shown [radius of the scene]")),
+      structure_(params.choice<PhotonStructure>(
+          "structure", PhotonStructure::kdtree,
+          {{"kdtree", PhotonStructure::kdtree}, {"grid", PhotonStructure::grid}},
+          "that photons are kept in")),
+      direct_from_map_(params.choice<bool>("direct_light", false,
+                                           {{"sampled", false}, {"photons", true}},
+                                           "how light that comes straight from a light is found")),
+      final_gather_(params.int32("final_gather", 0, {.min = 0, .max = 4096},
+                                 "rays that look at the global map from one bounce away, for each "
+                                 "camera sample; 0: it is looked at directly")),
+      show_(params.choice<Show>("show", Show::radiance,
+                                {{"radiance", Show::radiance},
+                                 {"photons", Show::photons},
+                                 {"caustics", Show::caustics},
+                                 {"global", Show::global}},
+                                "the picture, the photons as dots, or one map alone")),
+      hide_emitters_(params.boolean("hide_emitters", false, "whether the camera sees emitters")),
+      light_sampler_(params.nested_or<LightSampler>("power", "which lights to sample")) {
+    lookup_.count = params.int32("lookup_size", 120, {.min = 0, .max = PhotonLookup::max_count},
+                                 "nearest photons of an estimate; 0: all within the radius");
+    if (lookup_.count == 1) {
+        params.error("lookup_size", "one photon gives a radius but no light: use 2 or more");
+    }
+    lookup_.filter = params.choice<PhotonFilter>("filter", PhotonFilter::cone,
+                                                 {{"none", PhotonFilter::none},
+                                                  {"cone", PhotonFilter::cone},
+                                                  {"gaussian", PhotonFilter::gaussian}},
+                                                 "weight of photons over the distance");
+    if (direct_from_map_ && final_gather_ > 0) {
+        params.error("direct_light",
+                     "with final_gather, direct light is always sampled: photons "
+                     "are seen from one bounce away");
+    }
+    params.no_effect("direct_samples", "each camera sample samples the lights once");
+    params.no_effect("glossy_samples", "each camera sample follows one glossy direction");
+    params.no_effect("volume_photons", "there are no media");
+    params.no_effect("granularity", "photons are dealt out evenly");
+}
+
+/// Emits until there are as many photons as are wanted, in passes whose size follows from the
+/// share that was stored so far: the same for any number of threads.
+PhotonMap PhotonMapIntegrator::build(const RenderJob& job, const PhotonTracer& tracer,
+                                     const MapSettings& settings, PhotonKinds kinds) const {
+    constexpr double most_emitted_per_stored = 100;
+    constexpr double first_pass = 1 << 16, largest_pass = 1 << 24;
+    const double wanted = static_cast<double>(settings.photons);
+    PhotonPass pass{
+        .max_depth = limits_.max_depth - 1, .rr_depth = limits_.rr_depth, .kinds = kinds};
+    StoredPhotons stored;
+    stored.photons.reserve(static_cast<std::size_t>(1.02 * wanted) + 1024);
+    const bool possible = pass.max_depth >= (includes(kinds, PhotonKind::direct) ? 1 : 2);
+    for (std::uint64_t i = 0; possible && !tracer.dark() && !job.interrupted(); ++i) {
+        const double missing = wanted - static_cast<double>(stored.photons.size());
+        const double left = most_emitted_per_stored * std::max(wanted, first_pass) - stored.emitted;
+        if (missing <= 0 || left < 1) break;
+        const double yield = std::max(static_cast<double>(stored.photons.size()), 1.0) /
+                             std::max(stored.emitted, 1.0);
+        const double size = i == 0 ? std::min(wanted, first_pass) : 1.01 * missing / yield + 64;
+        pass.key = hash64({job.seed(), i, kinds, 0x9407});
+        pass.count = static_cast<std::uint64_t>(std::min({size, left, largest_pass}));
+        store_photons(
+            tracer, pass, job.workers(), [&] { return job.interrupted(); }, stored);
+    }
+    if (stored.photons.empty() && stored.emitted > 0 && !job.interrupted()) {
+        fmt::print(stderr, "warning: photonmap: of {:.0f} photons none met a diffuse surface{}\n",
+                   stored.emitted, kinds == 2 ? " after a mirror or glass: no caustics" : "");
+    }
+    const float scene_radius = job.scene().bounds().radius();
+    const float radius = settings.radius * (scene_radius > 0 ? scene_radius : 1);
+    return PhotonMap(std::move(stored.photons), stored.emitted, structure_, radius, job.workers());
+}
+
+/// Only maps that will be read, of photons that will be read.
+PhotonMapIntegrator::Maps PhotonMapIntegrator::build(const RenderJob& job) const {
+    const PhotonTracer tracer(job.scene());
+    const bool caustics = has_caustics(job.scene().shapes());
+    Maps maps;
+    if (show_ == Show::photons) {
+        const auto all = (PhotonKind::direct | PhotonKind::indirect) |
+                         static_cast<unsigned>(PhotonKind::caustic);
+        maps.global = build(job, tracer, {global_.photons, dot_radius_}, all);
+        return maps;
+    }
+    if (show_ != Show::caustics) {
+        const bool direct = direct_from_map_ || final_gather_ > 0 || show_ == Show::global;
+        const auto kinds = direct ? PhotonKind::direct | PhotonKind::indirect
+                                  : static_cast<unsigned>(PhotonKind::indirect);
+        maps.global = build(job, tracer, global_, kinds);
+    }
+    if (show_ != Show::global && caustics) {
+        maps.caustic = build(job, tracer, caustic_, static_cast<unsigned>(PhotonKind::caustic));
+    }
+    return maps;
+}
+
+Color PhotonMapIntegrator::radiance(const PhotonMap& map, const Interaction& at, Vector3 wo,
+                                    int edges) const {
+    PhotonLookup lookup = lookup_;
+    lookup.max_depth = limits_.max_depth - edges;
+    return photon_radiance(map, lookup, *at.shape->bsdf(), at, wo);
+}
+
+/// Photons as disks: a white surface under each, with the irradiance that it brings to the disk.
+Color PhotonMapIntegrator::dots(const PhotonMap& map, const Interaction& at, Vector3 wo) const {
+    if (map.photons().empty()) return Color(0);
+    const PhotonReceiver receiver(*at.shape->bsdf(), at, wo);
+    float radius2 = sqr(map.radius());
+    const float limit2 = radius2;
+    Color sum(0);
+    map.search(at.p, radius2, [&](const Photon& photon, float d2) {
+        if (receiver.distance2(photon, d2) < limit2) sum += photon.power();
+    });
+    return sum * (map.scale() * sqr(inv_pi) / limit2);
+}
+
+/// Indirect light without caustics, from one bounce away.
+Color PhotonMapIntegrator::gather(const Scene& scene, const Maps& maps, const Interaction& at,
+                                  Vector3 wo, int edges, SampleStream& stream) const {
+    Color sum(0);
+    for (int i = 0; i < final_gather_; ++i) sum += gather_ray(scene, maps, at, wo, edges, stream);
+    return sum / static_cast<float>(final_gather_);
+}
+
+/// A path on which every light is left to the maps and to light sampling. It ends where it meets
+/// photons, unless it is so short that their density would smear over the corner it starts in.
+Color PhotonMapIntegrator::gather_ray(const Scene& scene, const Maps& maps, Interaction at,
+                                      Vector3 wo, int edges, SampleStream& stream) const {
+    Color sum(0), beta(1);
+    bool may_be_smooth = true, may_be_specular = false;
+    while (edges + 1 < limits_.max_depth) {
+        const BSDF& bsdf = *at.shape->bsdf();
+        const float u_lobe = stream.next_1d();
+        const Vector2 u = stream.next_2d();
+        const float u_roulette = stream.next_1d();
+        const auto next = bsdf.sample(at, at.to_local(wo), u_lobe, u, TransportMode::radiance);
+        if (!next || !(next->specular() ? may_be_specular : may_be_smooth)) break;
+        const Vector3 wi = next->lobe == Lobe::null ? -wo : at.to_world(next->wi);
+        if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) break;
+        beta *= next->weight;
+        if (++edges > 8) {
+            const float survival = std::min(max_component(beta), 0.95f);
+            if (!(u_roulette < survival)) break;
+            beta /= survival;
+        }
+        const std::optional<Interaction> hit = scene.intersect(at.spawn_ray(wi));
+        if (!hit) break;
+        at = *hit;
+        wo = -wi;
+        const BSDF& there = *at.shape->bsdf();
+        may_be_smooth = may_be_specular = true;
+        if (!stores_photons(there)) continue;
+        sum += beta * radiance(maps.caustic, at, wo, edges);
+        if (at.t < maps.global.radius()) {
+            sum += beta * sample_lights(scene, light_sampler_, there, at, wo, 1, 0, stream);
+        } else {
+            sum += beta * radiance(maps.global, at, wo, edges);
+            may_be_smooth = false;
+        }
+    }
+    return sum;
+}
+
+void PhotonMapIntegrator::render(RenderJob& job) const {
+    const Scene& scene = job.scene();
+    const Maps maps = build(job);
+    if (job.interrupted()) return;
+    const CameraWalk walk(scene, light_sampler_,
+                          {.max_depth = limits_.max_depth,
+                           .hide_emitters = hide_emitters_,
+                           .lights = show_ == Show::radiance,
+                           .gather_dimensions = static_cast<std::uint32_t>(4 * final_gather_)});
+    job.render_samples([&](const Ray& ray, SampleStream& stream, PixelSample& result) {
+        walk(ray, stream, result, [&](const Interaction& at, Vector3 wo, int edges) {
+            switch (show_) {
+                case Show::photons:
+                    return dots(maps.global, at, wo);
+                case Show::caustics:
+                    return radiance(maps.caustic, at, wo, edges);
+                case Show::global:
+                    return radiance(maps.global, at, wo, edges);
+                case Show::radiance:
+                    break;
+            }
+            Color sum = radiance(maps.caustic, at, wo, edges);
+            if (!direct_from_map_) {
+                const BSDF& bsdf = *at.shape->bsdf();
+                sum += sample_lights(scene, light_sampler_, bsdf, at, wo, 1, 0, stream);
+            }
+            return sum + (final_gather_ > 0 ? gather(scene, maps, at, wo, edges, stream)
+                                            : radiance(maps.global, at, wo, edges));
+        });
+    });
+}
+
+}  // namespace
+
+const PluginInfo plugin =
+    describe<PhotonMapIntegrator>("photon mapping: caustics and indirect light from photons");
+
+}  // namespace lucerna

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+/// ptracer: light tracing. Particles from the lights are connected to the camera wherever they
+/// meet a surface (Arvo 1986; Dutré, Lafortune and Willems 1993).
+///
+/// Unbiased, and good at caustics: the check on photon mapping. It cannot find what is seen in a
+/// mirror or through glass; those surfaces are black. Lights themselves are seen by camera rays.
+/// Sample i of all pixels is one pass of as many particles as there are pixels.
+#include "plugins/integrators/photon_camera.h"
+
+#include "core/render/render_job.h"
+
+namespace lucerna {
+
+namespace {
+
+struct Splat {
+    Vector2 position;  ///< on the film, relative to the crop window
+    Color value;
+};
+
+/// An image that is made of splats. Rows are dealt out in bands, so that each pixel sums in the
+/// order of the particles whatever the number of threads.
+class SplatImage {
+public:
+    using Bands = std::vector<std::vector<Splat>>;
+
+    explicit SplatImage(const Film& film)
+        : filter_(film.rfilter()), offset_(film.crop().offset), size_(film.crop().size) {
+        constexpr int steps = 4096;
+        double integral = 0;
+        for (int i = 0; i < steps; ++i) {
+            const double x = (2 * (i + 0.5) / steps - 1) * static_cast<double>(filter_.radius());
+            integral += static_cast<double>(filter_.evaluate(static_cast<float>(x)));
+        }
+        integral *= 2 * static_cast<double>(filter_.radius()) / steps;
+        normalization_ = static_cast<float>(1 / sqr(integral));
+        pixels_.resize(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y));
+    }
+
+    Bands empty_bands() const {
+        return Bands(static_cast<std::size_t>((size_.y + band_rows - 1) / band_rows));
+    }
+
+    /// `position` on the whole film [pixels].
+    void add(Bands& bands, Vector2 position, Color value) const {
+        const Vector2 p = position - Vector2(offset_);
+        const float reach = filter_.radius() + 1;
+        if (!(p.x > -reach && p.x < static_cast<float>(size_.x) + reach)) return;
+        if (!(p.y > -reach && p.y < static_cast<float>(size_.y) + reach)) return;
+        const int first = std::max(static_cast<int>(p.y - reach), 0) / band_rows;
+        const int last = std::min(static_cast<int>(p.y + reach), size_.y - 1) / band_rows;
+        for (int band = first; band <= last; ++band) {
+            bands[static_cast<std::size_t>(band)].push_back({p, value});
+        }
+    }
+
+    /// Replaces the image by the splats of all chunks, times `scale`.
+    void draw(const std::vector<Bands>& chunks, float scale, const Workers& workers) {
+        const auto bands = static_cast<std::int64_t>(empty_bands().size());
+        workers.run(bands, [&](std::int64_t b) {
+            const int first = static_cast<int>(b) * band_rows;
+            const int end = std::min(first + band_rows, size_.y);
+            std::fill(row(first), row(end), Color(0));
+            for (const Bands& chunk : chunks) {
+                for (const Splat& splat : chunk[static_cast<std::size_t>(b)]) {
+                    draw(splat, scale * normalization_, first, end);
+                }
+            }
+        });
+    }
+
+    Color operator[](std::size_t pixel) const { return pixels_[pixel]; }
+
+private:
+    static constexpr int band_rows = 16;
+
+    std::vector<Color>::iterator row(int y) {
+        return pixels_.begin() + std::ptrdiff_t{y} * size_.x;
+    }
+
+    void draw(const Splat& splat, float scale, int first, int end) {
+        const float radius = filter_.radius();
+        const auto from = [&](float x) { return static_cast<int>(std::floor(x - radius)); };
+        const auto to = [&](float x) { return static_cast<int>(std::ceil(x + radius)); };
+        const Vector2 p = splat.position;
+        for (int y = std::max(from(p.y), first); y < std::min(to(p.y), end); ++y) {
+            const float wy = filter_.evaluate(static_cast<float>(y) + 0.5f - p.y);
+            if (wy == 0) continue;
+            for (int x = std::max(from(p.x), 0); x < std::min(to(p.x), size_.x); ++x) {
+                const float wx = filter_.evaluate(static_cast<float>(x) + 0.5f - p.x);
+                row(y)[x] += splat.value * (wx * wy * scale);
+            }
+        }
+    }
+
+    const RFilter& filter_;
+    Vector2i offset_, size_;
+    float normalization_ = 1;
+    std::vector<Color> pixels_;
+};
+
+class ParticleTracer final : public Integrator {
+public:
+    explicit ParticleTracer(const Params& params)
+        : limits_(params),
+          hide_emitters_(
+              params.boolean("hide_emitters", false, "whether the camera sees emitters")) {
+        params.no_effect("granularity", "particles are dealt out evenly");
+        params.no_effect("samples_per_pass", "a pass has as many particles as there are pixels");
+    }
+
+    void render(RenderJob& job) const override;
+
+private:
+    void trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index,
+               SplatImage& image) const;
+    void connect(const Scene& scene, const PhotonHit& hit, Vector2 u_lens, const SplatImage& image,
+                 SplatImage::Bands& bands) const;
+    void see_lights(const Scene& scene, const Ray& ray, PixelSample& result) const;
+
+    PathLimits limits_;
+    bool hide_emitters_;
+};
+
+/// The flux that arrives, reflected towards the camera. The cosines of shading and geometric
+/// normal belong to the adjoint BSDF (Veach 1997, 5.3.2).
+void ParticleTracer::connect(const Scene& scene, const PhotonHit& hit, Vector2 u_lens,
+                             const SplatImage& image, SplatImage::Bands& bands) const {
+    const Interaction& at = hit.at;
+    const BSDF& bsdf = *at.shape->bsdf();
+    if (!any(bsdf.lobes() & smooth_lobes)) return;
+    const std::optional<SensorConnection> seen = scene.sensor().connect(at.p, u_lens);
+    if (!seen) return;
+    const Vector3 wo = at.to_local(hit.w), wi = at.to_local(seen->wi);
+    const float wo_n = glm::dot(hit.w, at.n), wi_n = glm::dot(seen->wi, at.n);
+    if (!(wo_n * wo.z > 0 && wi_n * wi.z > 0)) return;
+    const Color f = bsdf.evaluate(at, wo, wi, TransportMode::importance).f;
+    if (is_black(f)) return;
+    Ray ray = at.spawn_ray(seen->wi);
+    ray.tmax = seen->distance;
+    if (scene.occluded(ray)) return;
+    image.add(bands, seen->position,
+              hit.power * f * ((wo.z / wo_n) * std::abs(wi_n) * seen->importance));
+}
+
+void ParticleTracer::trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index,
+                           SplatImage& image) const {
+    constexpr std::uint64_t chunk_size = 2048;
+    const PhotonPass pass{.key = hash64({job.seed(), index, 0x97ac}),
+                          .count = job.state().pixel_count(),
+                          .max_depth = limits_.max_depth - 1,
+                          .rr_depth = limits_.rr_depth,
+                          .kinds = ~0u};
+    std::vector<SplatImage::Bands> chunks((pass.count + chunk_size - 1) / chunk_size,
+                                          image.empty_bands());
+    job.workers().run(std::ssize(chunks), [&](std::int64_t c) {
+        if (job.interrupted() || tracer.dark()) return;
+        SplatImage::Bands& bands = chunks[static_cast<std::size_t>(c)];
+        PhotonEnergy energy;
+        const std::uint64_t begin = static_cast<std::uint64_t>(c) * chunk_size;
+        for (std::uint64_t j = begin; j < std::min(begin + chunk_size, pass.count); ++j) {
+            tracer.trace(pass, j, energy, [&](const PhotonHit& hit) {
+                const std::uint64_t lens =
+                    hash64({pass.key, static_cast<std::uint64_t>(hit.depth)});
+                connect(job.scene(), hit, sobol_owen_2d(j, lens), image, bands);
+            });
+        }
+    });
+    image.draw(chunks, 1 / static_cast<float>(pass.count), job.workers());
+}
+
+void ParticleTracer::see_lights(const Scene& scene, const Ray& ray, PixelSample& result) const {
+    const std::optional<Interaction> at = scene.intersect(ray);
+    if (!at) {
+        if (!hide_emitters_) result.radiance = scene.environment(ray.d);
+        result.alpha = !hide_emitters_ && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
+    } else if (at->shape->emitter() && !hide_emitters_) {
+        result.radiance = at->shape->emitter()->radiance(*at, -ray.d);
+    }
+}
+
+void ParticleTracer::render(RenderJob& job) const {
+    const PhotonTracer tracer(job.scene());
+    SplatImage image(job.film());
+    job.run_passes([&](SampleRange range) {
+        for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {
+            trace(job, tracer, i, image);
+            if (job.interrupted()) return;
+            job.sample_pixels({i, i + 1}, [&](const Ray& ray, SampleStream&, PixelSample& result) {
+                see_lights(job.scene(), ray, result);
+                result.radiance += image[result.pixel];
+            });
+        }
+    });
+}
+
+}  // namespace
+
+const PluginInfo plugin = describe<ParticleTracer>("light tracing: particles splatted on the film");
+
+}  // namespace lucerna

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sppm: stochastic progressive photon mapping (Hachisuka and Jensen 2009) with a radius that needs
+/// no memory (Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach").
+///
+/// Sample i of every pixel looks into its own map of photons, number i, within the radius
+///
+///     r_i² = r_0² ∏ (j + α) / (j + 1)  for j = 1 … i,
+///
+/// so variance falls as i^−α and bias as i^(α−1); their sum is least for α = 2/3. Passes know
+/// nothing of each other: they can be split over machines, and merged, as samples of any render.
+#include "plugins/integrators/photon_camera.h"
+#include "plugins/integrators/photon_estimate.h"
+
+namespace lucerna {
+
+namespace {
+
+/// r_i² / r_0², in closed form: Γ(i + 1 + α) / (Γ(1 + α) Γ(i + 2)).
+double radius2_factor(std::uint64_t i, double alpha) {
+    const double n = static_cast<double>(i);
+    return std::exp(std::lgamma(n + 1 + alpha) - std::lgamma(1 + alpha) - std::lgamma(n + 2));
+}
+
+class SPPMIntegrator final : public Integrator {
+public:
+    explicit SPPMIntegrator(const Params& params)
+        : limits_(params),
+          photons_(params.integer("photon_count", 250000, {.min = 1, .max = 1e9},
+                                  "photons that leave the lights in each pass")),
+          initial_radius_(params.real("initial_radius", 0, non_negative,
+                                      "of the first pass [scene units]; 0: some pixels")),
+          alpha_(params.real("alpha", 2.0 / 3, {.min = 0, .max = 1, .open_min = true},
+                             "how slowly the radius shrinks; 1 keeps it")),
+          filter_(params.choice<PhotonFilter>("filter", PhotonFilter::cone,
+                                              {{"none", PhotonFilter::none},
+                                               {"cone", PhotonFilter::cone},
+                                               {"gaussian", PhotonFilter::gaussian}},
+                                              "weight of photons over the distance")),
+          structure_(params.choice<PhotonStructure>(
+              "structure", PhotonStructure::grid,
+              {{"grid", PhotonStructure::grid}, {"kdtree", PhotonStructure::kdtree}},
+              "that photons are kept in")),
+          hide_emitters_(
+              params.boolean("hide_emitters", false, "whether the camera sees emitters")),
+          light_sampler_(params.nested_or<LightSampler>("power", "which lights to sample")) {
+        params.no_effect("max_passes", "the budget of the render is its limit");
+        params.no_effect("granularity", "photons are dealt out evenly");
+    }
+
+    void render(RenderJob& job) const override;
+
+private:
+    PhotonMap photons(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index) const;
+    float first_radius(const RenderJob& job) const;
+
+    PathLimits limits_;
+    std::int64_t photons_;
+    float initial_radius_, alpha_;
+    PhotonFilter filter_;
+    PhotonStructure structure_;
+    bool hide_emitters_;
+    const LightSampler& light_sampler_;
+};
+
+/// Unless it is given, what five pixels see of an object as far away as the scene is large.
+float SPPMIntegrator::first_radius(const RenderJob& job) const {
+    if (initial_radius_ > 0) return initial_radius_;
+    const Vector2i size = job.film().size();
+    const float radius = job.scene().bounds().radius();
+    return 5 * (radius > 0 ? radius : 1) / static_cast<float>(std::max(size.x, size.y));
+}
+
+/// The map of pass `index`, of all that light sampling does not find.
+PhotonMap SPPMIntegrator::photons(const RenderJob& job, const PhotonTracer& tracer,
+                                  std::uint64_t index) const {
+    const PhotonPass pass{.key = hash64({job.seed(), index, 0x5bb3}),
+                          .count = static_cast<std::uint64_t>(photons_),
+                          .max_depth = limits_.max_depth - 1,
+                          .rr_depth = limits_.rr_depth,
+                          .kinds = PhotonKind::caustic | PhotonKind::indirect};
+    StoredPhotons stored;
+    if (!tracer.dark()) {
+        store_photons(
+            tracer, pass, job.workers(), [&] { return job.interrupted(); }, stored);
+    }
+    const double radius2 = sqr(static_cast<double>(first_radius(job))) *
+                           radius2_factor(index, static_cast<double>(alpha_));
+    return PhotonMap(std::move(stored.photons), stored.emitted, structure_,
+                     static_cast<float>(std::sqrt(radius2)), job.workers());
+}
+
+void SPPMIntegrator::render(RenderJob& job) const {
+    const Scene& scene = job.scene();
+    const PhotonTracer tracer(scene);
+    const CameraWalk walk(scene, light_sampler_,
+                          {.max_depth = limits_.max_depth, .hide_emitters = hide_emitters_});
+    job.run_passes([&](SampleRange range) {
+        for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {
+            const PhotonMap map = photons(job, tracer, i);
+            if (job.interrupted()) return;
+            job.sample_pixels(
+                {i, i + 1}, [&](const Ray& ray, SampleStream& stream, PixelSample& result) {
+                    walk(ray, stream, result, [&](const Interaction& at, Vector3 wo, int edges) {
+                        const BSDF& bsdf = *at.shape->bsdf();
+                        const PhotonLookup lookup{.filter = filter_,
+                                                  .max_depth = limits_.max_depth - edges};
+                        const Color indirect = photon_radiance(map, lookup, bsdf, at, wo);
+                        return indirect +
+                               sample_lights(scene, light_sampler_, bsdf, at, wo, 1, 0, stream);
+                    });
+                });
+        }
+    });
+}
+
+}  // namespace
+
+const PluginInfo plugin =
+    describe<SPPMIntegrator>("progressive photon mapping: consistent, in constant memory");
+
+}  // namespace lucerna

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What films promise: exact sums, constants that stay constant, nothing hidden, nothing twice.
+#include "core/render/film_state.h"
+
+#include "core/math/sequences.h"
+#include "core/plugin/error.h"
+#include "tests/core/render/films.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace lucerna {
+namespace {
+
+constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
+
+TEST(FilmState, H1_constant_stays_constant_under_negative_lobes) {
+    const FilterSampler filter(lanczos_filter());
+    ASSERT_GT(filter.negative_weight(), 0.1);
+    for (const int samples : {1, 2, 3, 4, 8, 64}) {
+        FilmState film(square_layout(16, {}, filter.negative_weight()));
+        Rng rng(1);
+        for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
+            for (int i = 0; i < samples; ++i) {
+                film.add(pixel, filter.sample(rng.next_float2()).negative, grey_sample(0.3f));
+            }
+            EXPECT_NEAR(film.mean(pixel, 0), 0.3, 1e-5 * 0.3) << samples << " samples";
+        }
+    }
+}
+
+/// A linear ramp: a symmetric filter must reproduce its value at the centre of the pixel.
+TEST(FilmState, H1_negative_lobes_are_unbiased) {
+    const FilterSampler filter(lanczos_filter());
+    FilmState film(square_layout(64, {}, filter.negative_weight()));
+    Rng rng(2);
+    double sum = 0, squares = 0;
+    for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
+        for (int i = 0; i < 64; ++i) {
+            const FilterSampler::Sample sample = filter.sample(rng.next_float2());
+            // x² + 10: its filtered value is 10 + the second moment of the filter.
+            film.add(pixel, sample.negative, grey_sample(10 + sqr(sample.offset.x)));
+        }
+        sum += film.mean(pixel, 0);
+        squares += sqr(film.mean(pixel, 0));
+    }
+    double moment = 0, whole = 0;
+    const auto lanczos = lanczos_filter();
+    for (int i = 0; i < 60000; ++i) {
+        const float x = -3 + 6 * (static_cast<float>(i) + 0.5f) / 60000;
+        moment += static_cast<double>(lanczos.evaluate(x) * x * x);
+        whole += static_cast<double>(lanczos.evaluate(x));
+    }
+    const double n = static_cast<double>(film.pixel_count());
+    const double error = std::sqrt((squares / n - sqr(sum / n)) / n);
+    EXPECT_NEAR(sum / n, 10 + moment / whole, 4 * error);
+    EXPECT_LT(error, 0.05);
+}
+
+TEST(FilmState, H2_pixel_without_samples_is_black_and_counted) {
+    FilmState film(square_layout(2));
+    film.add(0, false, grey_sample(1));
+    film.add(1, false, grey_sample(not_a_number));
+    EXPECT_EQ(film.mean(3, 0), 0);
+    EXPECT_EQ(film.empty_pixels(), 3u);
+    const ImageFile image = film.resolve();
+    for (const Plane& plane : image.planes) {
+        const auto* values = std::get_if<std::vector<float>>(&plane.samples);
+        if (!values) continue;
+        for (const float x : *values) EXPECT_FALSE(std::isnan(x)) << plane.name;
+    }
+}
+
+TEST(FilmState, H4_long_sums_keep_their_precision) {
+    FilmState film(square_layout(1));
+    constexpr int count = 4000000;
+    for (int i = 0; i < count; ++i) film.add(0, false, grey_sample(0.1f));
+    EXPECT_EQ(film.mean(0, 0), static_cast<double>(0.1f));
+}
+
+TEST(FilmState, H5_H6_variance_of_small_noise_on_a_large_value) {
+    FilmState film(square_layout(64));
+    Rng rng(3);
+    constexpr int samples = 64;
+    for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
+        for (int i = 0; i < samples; ++i) {
+            // Uniform with a width of 64 steps of a float: variance 64²/12.
+            film.add(pixel, false, grey_sample(0x1p24f + std::floor(64 * rng.next_float()) * 2));
+        }
+    }
+    const double variance = 4 * (64.0 * 64 - 1) / 12 / samples;
+    EXPECT_NEAR(film.error()->mse / variance, 1, 0.1);
+}
+
+TEST(ExactSum, H7_order_of_terms_changes_no_bit) {
+    std::vector<float> terms;
+    Rng rng(4);
+    for (int i = 0; i < 20000; ++i) {
+        const float sign = rng.next_float() < 0.5f ? -1.0f : 1.0f;
+        terms.push_back(sign * std::exp2(40 * rng.next_float() - 20) * rng.next_float());
+    }
+    ExactSum forwards, backwards, halves[2];
+    for (const float x : terms) forwards.add(static_cast<double>(x));
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        halves[i % 3 == 0].add(static_cast<double>(terms[i]));
+    }
+    std::reverse(terms.begin(), terms.end());
+    for (const float x : terms) backwards.add(static_cast<double>(x));
+    halves[0].add(halves[1]);
+    EXPECT_EQ(forwards.high, backwards.high);
+    EXPECT_EQ(forwards.low, backwards.low);
+    EXPECT_EQ(forwards.high, halves[0].high);
+    EXPECT_EQ(forwards.low, halves[0].low);
+}
+
+TEST(FilmState, H10_relative_errors_do_not_depend_on_the_scale) {
+    const auto estimate = [](float scale) {
+        FilmState film(square_layout(16));
+        Rng rng(5);
+        for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
+            for (int i = 0; i < 8; ++i)
+                film.add(pixel, false, grey_sample(scale * rng.next_float()));
+        }
+        return *film.error();
+    };
+    const ErrorEstimate one = estimate(1), eight = estimate(8);
+    EXPECT_DOUBLE_EQ(one.relative_mse, eight.relative_mse);
+    EXPECT_DOUBLE_EQ(one.low, eight.low);
+    EXPECT_DOUBLE_EQ(one.relative_variance(), eight.relative_variance());
+    EXPECT_DOUBLE_EQ(64 * one.mse, eight.mse);
+    // Uniform in [0, 1): variance 1/12, 8 samples, mean 1/2.
+    EXPECT_NEAR(one.relative_variance(), 4.0 / 12 / 8, 0.01);
+}
+
+TEST(FilmState, drops_and_counts_samples_that_are_not_finite) {
+    FilmState film({.full_size = {8, 8}, .crop = {{2, 3}, {4, 4}}, .layers = {"depth.Z"}});
+    std::array<float, 1> layer = {1};
+    PixelSample good = grey_sample(2);
+    good.layers = layer;
+    PixelSample infinite = good;
+    infinite.radiance.y = infinity;
+    PixelSample no_alpha = good;
+    no_alpha.alpha = not_a_number;
+    std::array<float, 1> bad_layer = {not_a_number};
+    PixelSample no_layer = good;
+    no_layer.layers = bad_layer;
+    for (const PixelSample& sample : {good, infinite, no_alpha, no_layer, good}) {
+        film.add(6, false, sample);
+    }
+    EXPECT_EQ(film.dropped_samples(), 3u);
+    EXPECT_EQ(film.samples(6), 5u);
+    EXPECT_EQ(film.mean(6, 0), 2);
+    EXPECT_EQ(film.mean(6, 4), 1);
+    EXPECT_EQ(*film.first_dropped_pixel(), Vector2i(4, 4));
+    EXPECT_NE(film.resolve().plane("samples.dropped"), nullptr);
+}
+
+TEST(FilmState, merges_only_what_follows) {
+    FilmState first(square_layout(1)), second(square_layout(1), 3), late(square_layout(1), 4);
+    for (int i = 0; i < 3; ++i) first.add(0, false, grey_sample(1));
+    for (int i = 0; i < 2; ++i) second.add(0, false, grey_sample(4));
+    EXPECT_THROW(first.merge(late), Error);
+    EXPECT_THROW(first.merge(first), Error);
+    EXPECT_THROW(first.merge(FilmState(square_layout(2), 3)), Error);
+    first.merge(second);
+    EXPECT_EQ(first.samples(0), 5u);
+    EXPECT_DOUBLE_EQ(first.mean(0, 0), 11.0 / 5);
+    // Samples 0, 2 and 4 are one half: 1, 1, 4.
+    EXPECT_DOUBLE_EQ(first.half_mean(0, 0, 0), 2);
+}
+
+TEST(FilmState, has_no_error_estimate_from_one_half) {
+    FilmState film(square_layout(1));
+    EXPECT_FALSE(film.error());
+    film.add(0, false, grey_sample(1));
+    EXPECT_FALSE(film.error());
+    film.add(0, false, grey_sample(1));
+    ASSERT_TRUE(film.error());
+    EXPECT_EQ(film.error()->relative_mse, 0);
+}
+
+/// Pixels of very different noise, samples with a heavy tail; how often does the interval hold the
+/// expected relative MSE?
+TEST(FilmState, error_interval_covers_the_true_error) {
+    constexpr int side = 16, samples = 512, films = 200;
+    const auto noise = [](std::size_t pixel) { return pixel % 7 == 0 ? 0.5f : 0.05f; };
+    const auto draw = [&](Rng& rng, std::size_t pixel) {
+        // Mean 1: rarely, a large value.
+        const float p = noise(pixel);
+        const float u = rng.next_float();
+        return u < p ? 0.5f / p : 0.5f;
+    };
+    double truth = 0;
+    for (std::size_t pixel = 0; pixel < side * side; ++pixel) {
+        const double p = static_cast<double>(noise(pixel));
+        const double mean = 0.5 + 0.5 * (1 - p);
+        truth += p * (1 - p) * sqr(0.5 / p - 0.5) / samples / (sqr(mean) + 0.01 * 0.95);
+    }
+    truth /= side * side;
+    int covered = 0;
+    double sum = 0;
+    for (int f = 0; f < films; ++f) {
+        FilmState film(square_layout(side));
+        Rng rng(6, static_cast<std::uint64_t>(f));
+        for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
+            for (int i = 0; i < samples; ++i) film.add(pixel, false, grey_sample(draw(rng, pixel)));
+        }
+        const ErrorEstimate error = *film.error();
+        sum += error.relative_mse / films;
+        covered += error.low <= truth && truth <= error.high;
+    }
+    EXPECT_NEAR(sum / truth, 1, 0.03);
+    EXPECT_GT(covered, films * 0.9);
+    EXPECT_LT(covered, films * 0.99);
+}
+
+}  // namespace
+}  // namespace lucerna

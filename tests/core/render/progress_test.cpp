@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What is said about a running render, and about a finished one.
+#include "core/render/progress.h"
+#include "core/render/statistics.h"
+
+#include <gtest/gtest.h>
+
+namespace lucerna {
+namespace {
+
+const RenderStatus status = {.seconds = 30,
+                             .fraction = 0.25,
+                             .seconds_left = 90,
+                             .samples = 16.7,
+                             .rays_per_second = 3.456e6,
+                             .error = ErrorEstimate{.relative_mse = 0.0123}};
+
+TEST(Progress, tells_what_is_known) {
+    EXPECT_EQ(progress_text(status), " 25 %  16 spp  3.46 Mrays/s  relMSE 0.012  1:30 left");
+    EXPECT_EQ(progress_text({}), "  0 %  0 spp");
+}
+
+TEST(Progress, bar_fits_the_terminal) {
+    for (const int width : {0, 1, 10, 60, 80, 300}) {
+        EXPECT_LE(progress_bar(status, width).size(), static_cast<std::size_t>(width));
+    }
+    EXPECT_EQ(progress_bar(status, 80).substr(0, 9), "[======> ");
+}
+
+TEST(Progress, durations) {
+    EXPECT_EQ(duration_text(7.4), "0:07");
+    EXPECT_EQ(duration_text(754), "12:34");
+    EXPECT_EQ(duration_text(3723), "1:02:03");
+    EXPECT_EQ(duration_text(-1), "?");
+    EXPECT_EQ(duration_text(1e300), "?");
+}
+
+TEST(RenderFigures, one_line) {
+    RenderFigures figures;
+    figures.load_seconds = 0.1;
+    figures.build_seconds = 0.2;
+    figures.render_seconds = 4;
+    figures.samples = 64;
+    figures.rays.intersections = 5000000;
+    figures.rays.occlusions = 3000000;
+    figures.error = ErrorEstimate{.relative_mse = 0.01, .low = 0.009, .high = 0.011};
+    EXPECT_EQ(figures_text(figures),
+              "load 0.10 s, build 0.20 s, render 4.00 s; 64 spp; 2.00 Mrays/s; relMSE 0.01 (95 %: "
+              "0.009 to 0.011)");
+    EXPECT_EQ(figures_warnings(figures), "");
+    figures.dropped_samples = 3;
+    figures.first_dropped_pixel = "7, 8";
+    EXPECT_NE(figures_warnings(figures).find("3 samples"), std::string::npos);
+    EXPECT_NE(figures_warnings(figures).find("7, 8"), std::string::npos);
+    EXPECT_NE(to_json(figures).text().find("\"dropped_samples\": 3"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,511 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Mesh files, right and wrong: what is read, and the words in which the rest is refused.
+#include "plugins/shapes/obj_reader.h"
+#include "plugins/shapes/ply_reader.h"
+#include "plugins/shapes/serialized_reader.h"
+#include "tests/paths.h"
+#include "tests/plugins/world.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <limits>
+
+namespace lucerna {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
+
+MeshData obj(std::string_view text) { return read_obj(bytes_of(text), "a.obj"); }
+MeshData ply(const Bytes& bytes) { return read_ply(bytes, "a.ply"); }
+MeshData ply(std::string_view text) { return ply(bytes_of(text)); }
+MeshData serialized(const Bytes& bytes, std::uint32_t index = 0) {
+    return read_serialized(bytes, "a.serialized", index);
+}
+
+/// The message with which `action` fails; empty if it does not.
+std::string error_of(const std::function<void()>& action) {
+    try {
+        action();
+        return "";
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+using Indices = std::vector<std::uint32_t>;
+
+// OBJ.
+
+const char* const square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+TEST(Obj, polygons_become_fans_and_vertices_are_joined) {
+    const MeshData mesh = obj(std::string(square) + "f 1 2 3 4\n");
+    EXPECT_EQ(mesh.positions.size(), 4u);
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 2, 3}));
+    EXPECT_TRUE(mesh.normals.empty());
+    EXPECT_TRUE(mesh.uvs.empty());
+}
+
+TEST(Obj, a_position_with_two_texture_coordinates_is_two_vertices) {
+    const MeshData mesh = obj(std::string(square) +
+                              "vt 0 0\nvt 0.25 1\nvn 0 0 2\n"
+                              "f 1/1/1 2/2/1 3/1/1\nf 1/1/1 3/2/1 4/2/1\n");
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 3, 4}));
+    EXPECT_EQ(mesh.positions[2], mesh.positions[3]);
+    EXPECT_EQ(mesh.uvs[3], Vector2(0.25f, 1));
+    EXPECT_EQ(mesh.normals[0], Vector3(0, 0, 1));
+}
+
+TEST(Obj, everything_that_files_in_the_wild_contain_is_read) {
+    const MeshData mesh =
+        obj("# a comment\r\nmtllib a.mtl\r\no thing\r\n\r\n"
+            "v +1.5 -2e-1 .25 1.0\r\nv 0 0 1\t0.5 0.5 0.5\r\nv 0 1 0 # the last\r\n"
+            "vt 0.5\r\nvn 0 0 0\r\ng a b\r\nusemtl red\r\ns off\r\nl 1 2\r\n"
+            "f -3/1/-1 \\\r\n  -2//1 3\r\n");
+    EXPECT_EQ(mesh.positions[0], Vector3(1.5f, -0.2f, 0.25f));
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
+    EXPECT_EQ(mesh.uvs, (std::vector<Vector2>{{0.5f, 0}, {0, 0}, {0, 0}}));
+    EXPECT_EQ(mesh.normals[0], Vector3(0));
+}
+
+TEST(Obj, L1_wrong_files_are_refused_with_the_line) {
+    const std::vector<std::pair<std::string, std::string>> cases = {
+        {"f 1 2 5\n", "a.obj:5: the face uses vertex 5, but 4 are defined so far"},
+        {"f 0 1 2\n", "a.obj:5: the face uses vertex 0, but 4 are defined so far"},
+        {"f -5 1 2\n", "a.obj:5: the face uses vertex -5, but 4 are defined so far"},
+        {"f 99999999999999999999 1 2\n",
+         "a.obj:5: vertex should be a whole number, not \"99999999999999999999\""},
+        {"vt 0 0\nf 1/2 2/1 3/1\n",
+         "a.obj:6: the face uses texture coordinate 2, but 1 is defined so far"},
+        {"f 1//1 2//1 3//1\n", "a.obj:5: the face uses normal 1, but 0 are defined so far"},
+        {"f 1 2\n", "a.obj:5: a face needs 3 vertices or more, not 2"},
+        {"f 1 2 3x\n", "a.obj:5: a corner of a face should be written v, v/vt, v//vn or v/vt/vn"},
+        {"f 1 2 x\n", "a.obj:5: vertex should be a whole number, not \"x\""},
+        {"v 1 2\n", "a.obj:5: a coordinate should be a number, not \"\""},
+        {"v 1 2 1,5\n", "a.obj:5: a coordinate should be a number, not \"1,5\""},
+        {"\nv 1 nan 2\n", "a.obj:6: a coordinate is not finite"},
+        {"vn 1 -inf 2\n", "a.obj:5: a normal is not finite"},
+        {"v 1 1e999 2\n", "a.obj:5: a coordinate should be a number, not \"1e999\""},
+        {"\x7f\x45\x4c\x46", "a.obj:5: this is not a statement of an OBJ file; is it text?"},
+    };
+    for (const auto& [text, message] : cases) {
+        EXPECT_EQ(error_of([&] { obj(square + text); }), message);
+    }
+}
+
+// PLY.
+
+const char* const ply_square =
+    "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+
+const std::string ascii_ply =
+    std::string("ply\nformat ascii 1.0\n") + ply_square + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+
+template <typename T>
+void append(Bytes& bytes, T value, bool big_endian = false) {
+    std::array<std::uint8_t, sizeof(T)> raw;
+    std::memcpy(raw.data(), &value, sizeof(T));
+    if (big_endian) std::reverse(raw.begin(), raw.end());
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+}
+
+/// A square whose properties are of all kinds, in an unusual order.
+Bytes binary_ply(bool big_endian) {
+    Bytes file = bytes_of(std::string("ply\nformat ") +
+                          (big_endian ? "binary_big_endian" : "binary_little_endian") +
+                          " 1.0\ncomment made by a test\nobj_info none\n"
+                          "element vertex 4\nproperty uchar red\nproperty double z\n"
+                          "property float x\nproperty list ushort short extra\n"
+                          "property float y\nproperty float t\nproperty float s\n"
+                          "property float nx\nproperty float ny\nproperty float nz\n"
+                          "element edge 1\nproperty int a\n"
+                          "element face 2\nproperty list int float texcoord\n"
+                          "property list uint ushort vertex_index\nproperty float64 q\n"
+                          "end_header\n");
+    const Vector2 corners[] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    for (const Vector2 p : corners) {
+        append<std::uint8_t>(file, 200);
+        append<double>(file, 0.5, big_endian);
+        append<float>(file, p.x, big_endian);
+        append<std::uint16_t>(file, 2, big_endian);
+        append<std::int16_t>(file, -7, big_endian);
+        append<std::int16_t>(file, 8, big_endian);
+        append<float>(file, p.y, big_endian);
+        append<float>(file, 1 - p.y, big_endian);
+        append<float>(file, p.x, big_endian);
+        for (const float n : {0.0f, 0.0f, 3.0f}) append<float>(file, n, big_endian);
+    }
+    append<std::int32_t>(file, 17, big_endian);
+    for (const std::array<std::uint16_t, 3> face :
+         {std::array<std::uint16_t, 3>{0, 1, 2}, {2, 3, 0}}) {
+        append<std::int32_t>(file, 1, big_endian);
+        append<float>(file, 0.5f, big_endian);
+        append<std::uint32_t>(file, 3, big_endian);
+        for (const std::uint16_t i : face) append<std::uint16_t>(file, i, big_endian);
+        append<double>(file, 1.25, big_endian);
+    }
+    return file;
+}
+
+TEST(Ply, text_is_read) {
+    const MeshData mesh = ply(ascii_ply);
+    EXPECT_EQ(mesh.positions.size(), 4u);
+    EXPECT_EQ(mesh.positions[2], Vector3(1, 1, 0));
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 2, 3}));
+}
+
+TEST(Ply, L6_both_byte_orders_and_all_types_are_read) {
+    for (const bool big_endian : {false, true}) {
+        const MeshData mesh = ply(binary_ply(big_endian));
+        EXPECT_EQ(mesh.positions,
+                  (std::vector<Vector3>{{0, 0, 0.5f}, {1, 0, 0.5f}, {1, 1, 0.5f}, {0, 1, 0.5f}}));
+        EXPECT_EQ(mesh.normals, std::vector<Vector3>(4, Vector3(0, 0, 1)));
+        EXPECT_EQ(mesh.uvs, (std::vector<Vector2>{{0, 1}, {1, 1}, {1, 0}, {0, 0}}));
+        EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 2, 3, 0}));
+    }
+}
+
+TEST(Ply, L4_truncated_at_every_length_is_refused) {
+    const Bytes whole = binary_ply(false);
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+        const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+        EXPECT_NE(error_of([&] { ply(part); }), "") << length;
+    }
+    // The last number of a text can be cut short without anyone noticing; anything before cannot.
+    const std::size_t last = ascii_ply.size() - 2;
+    for (std::size_t length = 0; length < last; ++length) {
+        EXPECT_NE(error_of([&] { ply(ascii_ply.substr(0, length)); }), "") << length;
+    }
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+}
+
+TEST(Ply, L2_L3_wrong_headers_are_refused_before_anything_is_allocated) {
+    const std::vector<std::array<std::string, 3>> cases = {
+        {"ply", "PLY", "a.ply:1: this is not a PLY file: it does not start with \"ply\""},
+        {"ascii", "utf8",
+         "a.ply:2: the format should be ascii, binary_little_endian or binary_big_endian, not "
+         "\"utf8\""},
+        {"format ascii 1.0\n", "", "a.ply:9: the header does not name the format"},
+        {"end_header\n", "", "a.ply:9: \"0\" is no part of a PLY header"},
+        {"element vertex 4\n", "", "a.ply:3: a property stands before the first element"},
+        {"vertex 4", "vertex 4294967296",
+         "a.ply:10: 4294967296 elements \"vertex\" do not fit into the 34 bytes that follow"},
+        {"vertex 4", "vertex -4", "a.ply:3: a number of elements cannot be negative"},
+        {"vertex 4", "vertex many",
+         "a.ply:3: the number of elements should be a whole number, not \"many\""},
+        {"face 1", "face 9000000000000000000",
+         "a.ply:13: 9000000000000000000 elements \"face\" do not fit into the 11 bytes that "
+         "follow"},
+        {"float x", "half x", "a.ply:4: there is no type \"half\" in PLY files"},
+        {"property float y", "property float", "a.ply:5: the property has no name"},
+        {"property float y\n", "", "a.ply:9: element \"vertex\" needs the properties x, y and z"},
+        {"list uchar", "list float", "a.ply:8: a list is counted by an integer type"},
+        {"vertex_indices", "corners",
+         "a.ply:13: element \"face\" needs the list vertex_indices or vertex_index"},
+        {"element face 1\nproperty list uchar int vertex_indices\n", "",
+         "a.ply:11: there is no element \"face\": point clouds and triangle strips cannot be "
+         "rendered"},
+        {"element face 1",
+         "element vertex 1\nproperty int x\nproperty int y\nproperty int z\nelement face 1",
+         "a.ply:17: there is a second element \"vertex\""},
+    };
+    for (const auto& [from, to, message] : cases) {
+        EXPECT_EQ(error_of([&] { ply(replaced(ascii_ply, from, to)); }), message) << from;
+    }
+}
+
+TEST(Ply, L2_L6_wrong_contents_are_refused) {
+    const std::vector<std::array<std::string, 3>> cases = {
+        {"4 0 1 2 3", "2 0 1 2 3", "a.ply:14: face 0 has 2 corners; it needs 3 or more"},
+        {"4 0 1 2 3", "9 0 1 2 3", "a.ply:15: the file ends too early"},
+        {"4 0 1 2 3", "-1 0 1 2 3", "a.ply:14: list \"vertex_indices\" has the length -1"},
+        {"4 0 1 2 3", "4 0 1 2 -3", "a.ply:14: face 0 uses vertex -3"},
+        {"4 0 1 2 3", "4 0 1 2 1.5",
+         "a.ply:14: a value of an integer type should be a whole number"},
+        {"1 1 0", "1 nan 0", "a.ply:12: a value is not finite"},
+        {"1 1 0", "1 one 0", "a.ply:12: a value should be a number, not \"one\""},
+    };
+    for (const auto& [from, to, message] : cases) {
+        EXPECT_EQ(error_of([&] { ply(replaced(ascii_ply, from, to)); }), message) << to;
+    }
+}
+
+// Serialized.
+
+struct Flags {
+    static constexpr std::uint32_t normals = 1, uvs = 2, colors = 8, face_normals = 16,
+                                   double_precision = 0x2000, single_precision = 0x1000;
+};
+
+Bytes compressed(const Bytes& raw) {
+    uLongf size = compressBound(raw.size());
+    Bytes result(size);
+    EXPECT_EQ(compress(result.data(), &size, raw.data(), raw.size()), Z_OK);
+    result.resize(size);
+    return result;
+}
+
+/// One triangle at height z, without header and table.
+template <typename Number>
+Bytes triangle(int version, std::uint32_t flags, double z, std::uint64_t vertices = 3,
+               std::uint64_t triangles = 1) {
+    Bytes raw;
+    append(raw, flags);
+    if (version == 4) raw.insert(raw.end(), {'t', 'r', 'i', 0});
+    append(raw, vertices);
+    append(raw, triangles);
+    const auto numbers = [&](std::initializer_list<double> values) {
+        for (const double value : values) append(raw, static_cast<Number>(value));
+    };
+    numbers({0, 0, z, 1, 0, z, 0, 1, z});
+    if (flags & Flags::normals) numbers({0, 0, 1, 0, 0, 1, 0, 0, 1});
+    if (flags & Flags::uvs) numbers({0, 0, 1, 0, 0, 1});
+    if (flags & Flags::colors) numbers({1, 1, 1, 1, 1, 1, 1, 1, 1});
+    for (const std::uint32_t i : {0u, 1u, 2u}) append(raw, i);
+    return raw;
+}
+
+/// A file of several meshes.
+Bytes container(std::uint16_t version, const std::vector<Bytes>& meshes) {
+    Bytes file;
+    std::vector<std::uint64_t> offsets;
+    for (const Bytes& mesh : meshes) {
+        offsets.push_back(file.size());
+        append<std::uint16_t>(file, 0x041c);
+        append(file, version);
+        const Bytes packed = compressed(mesh);
+        file.insert(file.end(), packed.begin(), packed.end());
+    }
+    for (const std::uint64_t offset : offsets) {
+        if (version == 4) {
+            append(file, offset);
+        } else {
+            append(file, static_cast<std::uint32_t>(offset));
+        }
+    }
+    append(file, static_cast<std::uint32_t>(meshes.size()));
+    return file;
+}
+
+Bytes three_meshes(std::uint16_t version) {
+    return container(
+        version,
+        {triangle<float>(version, Flags::single_precision, 1),
+         triangle<double>(version,
+                          Flags::double_precision | Flags::normals | Flags::uvs | Flags::colors, 2),
+         triangle<float>(version, Flags::uvs | Flags::face_normals, 3)});
+}
+
+TEST(Serialized, meshes_of_both_versions_and_precisions_are_read) {
+    for (const std::uint16_t version : std::array<std::uint16_t, 2>{3, 4}) {
+        const Bytes file = three_meshes(version);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const MeshData mesh = serialized(file, i);
+            ASSERT_EQ(mesh.positions.size(), 3u);
+            EXPECT_EQ(mesh.positions[1], Vector3(1, 0, static_cast<float>(i + 1)));
+            EXPECT_EQ(mesh.normals.size(), i == 1 ? 3u : 0u);
+            EXPECT_EQ(mesh.uvs.size(), i == 0 ? 0u : 3u);
+            EXPECT_EQ(mesh.face_normals, i == 2);
+            EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
+        }
+        EXPECT_EQ(error_of([&] { serialized(file, 3); }),
+                  "a.serialized: \"shape_index\" is 3, but the file holds 3 meshes, counted from "
+                  "0");
+    }
+}
+
+TEST(Serialized, L4_truncated_at_every_length_is_refused) {
+    const Bytes whole = container(4, {triangle<float>(4, Flags::normals, 1)});
+    const Indices indices = serialized(whole).indices;
+    // Neither the table nor the end of the stream is needed for the first mesh.
+    const std::size_t table = 12, end_of_stream = 8;
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+        const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+        Indices read;
+        const std::string error = error_of([&] { read = serialized(part).indices; });
+        EXPECT_TRUE(error.empty() ? read == indices : read.empty()) << length;
+        EXPECT_TRUE(length + table + end_of_stream > whole.size() || !error.empty()) << length;
+    }
+}
+
+TEST(Serialized, L5_wrong_files_are_refused) {
+    const Bytes right = three_meshes(4);
+    Bytes file = right;
+    file[0] = 0;
+    EXPECT_EQ(error_of([&] { serialized(file); }),
+              "a.serialized: this is not a serialized mesh of Mitsuba");
+    file = right;
+    file[2] = 5;
+    EXPECT_EQ(error_of([&] { serialized(file); }),
+              "a.serialized: version 5 cannot be read, only 3 and 4");
+    file = right;
+    for (std::size_t i = 6; i < 30; ++i) file[i] = 0xff;
+    EXPECT_EQ(error_of([&] { serialized(file); }), "a.serialized: the compressed data is damaged");
+    file = right;
+    file[file.size() - 4 - 16] = 77;  // offset of mesh 1
+    EXPECT_EQ(error_of([&] { serialized(file, 1); }),
+              "a.serialized: this is not a serialized mesh of Mitsuba");
+    file[file.size() - 4 - 9] = 77;
+    EXPECT_EQ(error_of([&] { serialized(file, 1); }),
+              "a.serialized: its table of meshes is damaged");
+    file = right;
+    file.back() = 0xff;  // number of meshes
+    EXPECT_EQ(error_of([&] { serialized(file, 1); }),
+              "a.serialized: its table of meshes is damaged");
+    // It promises more than its bytes can hold.
+    file = container(4, {triangle<float>(4, 0, 1, 1ull << 60)});
+    EXPECT_EQ(error_of([&] { serialized(file); }),
+              "a.serialized: 1152921504606846976 vertices and 1 triangles do not fit into its " +
+                  std::to_string(file.size()) + " bytes");
+    file = container(4, {triangle<float>(4, 0, 1, 3, 100)});
+    EXPECT_EQ(error_of([&] { serialized(file); }),
+              "a.serialized: the mesh ends too early: the file is damaged");
+}
+
+// Shapes made of files.
+
+class MeshShapes : public testing::Test {
+protected:
+    /// A shape of a file with these contents.
+    std::string shape(const std::string& name, std::string_view contents,
+                      const std::string& body = "") const {
+        std::ofstream file(folder_ / name, std::ios::binary);
+        file.write(contents.data(), static_cast<std::streamsize>(contents.size()));
+        const std::string type = name.substr(name.rfind('.') + 1);
+        return fmt::format("<shape type='{}'><string name='filename' value='{}'/>{}</shape>", type,
+                           (folder_ / name).string(), body);
+    }
+    std::string shape(const std::string& name, const Bytes& contents,
+                      const std::string& body = "") const {
+        return shape(name, {reinterpret_cast<const char*>(contents.data()), contents.size()}, body);
+    }
+
+    TemporaryFolder folder_;
+};
+
+std::string flag(const std::string& name, bool value) {
+    return fmt::format("<boolean name='{}' value='{}'/>", name, value);
+}
+
+/// Looks straight down on (x, y).
+std::optional<Interaction> look_down(const World& world, float x, float y) {
+    return world.scene().intersect({.o = {x, y, 10}, .d = {0, 0, -1}});
+}
+
+TEST_F(MeshShapes, A14_vertices_that_are_no_numbers_are_refused) {
+    Bytes file = bytes_of(std::string("ply\nformat binary_little_endian 1.0\n") + ply_square);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    for (const float x : {0.f, 0.f, 0.f, 1.f, nan, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f}) {
+        append(file, x);
+    }
+    append<std::uint8_t>(file, 3);
+    for (const std::int32_t i : {0, 2, 3}) append(file, i);
+    EXPECT_EQ(refusal(shape("a.ply", file)),
+              "a.ply: vertex 1 is (nan, nan, nan); coordinates must be finite and below 1e+18");
+    EXPECT_EQ(refusal(shape("b.obj", "v 0 0 0\nv 1 0 0\nv 0 2e18 0\nf 1 2 3\n")),
+              "b.obj: vertex 2 is (0, 2e+18, 0); coordinates must be finite and below 1e+18");
+}
+
+TEST_F(MeshShapes, A15_indices_beyond_the_vertices_are_refused) {
+    EXPECT_EQ(refusal(shape("a.ply", replaced(ascii_ply, "4 0 1 2 3", "4 0 1 2 4"))),
+              "a.ply: triangle 1 uses vertex 4, but there are only 4, counted from 0");
+}
+
+TEST_F(MeshShapes, A10_triangles_without_area_are_never_hit) {
+    const World world(shape("a.obj", std::string(square) + "f 1 2 3\nf 1 1 3\nf 2 2 2\n"
+                                                           "v 2 0 0\nv 3 0 0\nv 4 0 0\nf 5 6 7\n"));
+    EXPECT_TRUE(look_down(world, 0.7f, 0.3f));
+    EXPECT_FALSE(look_down(world, 0.3f, 0.7f));
+    EXPECT_FALSE(look_down(world, 3, 0));
+    for (std::uint32_t i = 1; i < 4; ++i) {
+        EXPECT_EQ(world.shape().area(i), 0);
+        const Receiver from{.p = {0, 0, 1}};
+        EXPECT_FALSE(world.shape().sample_solid_angle(i, from, {0.3f, 0.6f}));
+        EXPECT_TRUE(is_finite(world.shape().sample_area(i, {0.3f, 0.6f}).n));
+    }
+}
+
+TEST_F(MeshShapes, L7_a_mesh_without_triangles_loads) {
+    for (const std::string& xml :
+         {shape("a.obj", ""), shape("b.obj", square),
+          shape("c.ply", replaced(replaced(ascii_ply, "face 1", "face 0"), "4 0 1 2 3\n", ""))}) {
+        const World world(xml);
+        EXPECT_EQ(world.shape().primitive_count(), 0u);
+        EXPECT_FALSE(look_down(world, 0.3f, 0.3f));
+    }
+}
+
+TEST_F(MeshShapes, L7_degenerate_texture_coordinates_leave_finite_tangents) {
+    const World world(shape("a.obj", std::string(square) + "vt 0.5 0.5\nf 1/1 2/1 3/1\n"));
+    const auto at = look_down(world, 0.7f, 0.3f);
+    ASSERT_TRUE(at);
+    EXPECT_TRUE(is_finite(at->dpdu) && is_finite(at->dpdv));
+    EXPECT_GT(glm::length(glm::cross(at->dpdu, at->dpdv)), 0.1f);
+    EXPECT_EQ(at->uv, Vector2(0.5f, 0.5f));
+}
+
+TEST_F(MeshShapes, pictures_stand_upright_as_in_mitsuba) {
+    const std::string textured =
+        std::string(square) + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
+    EXPECT_NEAR(look_down(World(shape("a.obj", textured)), 0.5f, 0.9f)->uv.y, 0.9, 1e-6);
+    const std::string turned = shape("b.obj", textured, flag("flip_tex_coords", false));
+    EXPECT_NEAR(look_down(World(turned), 0.5f, 0.9f)->uv.y, 0.1, 1e-6);
+    // The y of the file's squares is 1 − v there.
+    EXPECT_NEAR(look_down(World(shape("c.ply", binary_ply(true))), 0.5f, 0.9f)->uv.y, 0.9, 1e-6);
+    const std::string upwards = shape("d.ply", binary_ply(true), flag("flip_tex_coords", true));
+    EXPECT_NEAR(look_down(World(upwards), 0.5f, 0.9f)->uv.y, 0.1, 1e-6);
+}
+
+TEST_F(MeshShapes, normals_of_the_file_tell_the_outside) {
+    // Wound clockwise, but with normals upwards.
+    const std::string text = std::string(square) + "vn 0 0 1\nf 4//1 3//1 2//1 1//1\n";
+    EXPECT_GT(look_down(World(shape("a.obj", text)), 0.5f, 0.4f)->n.z, 0);
+    EXPECT_LT(look_down(World(shape("b.obj", text, flag("face_normals", true))), 0.5f, 0.4f)->n.z,
+              0);
+    EXPECT_LT(look_down(World(shape("c.obj", text, flag("flip_normals", true))), 0.5f, 0.4f)->n.z,
+              0);
+    const std::string mirror = "<transform name='to_world'><scale x='-1' y='1' z='1'/></transform>";
+    EXPECT_GT(look_down(World(shape("d.obj", text, mirror)), -0.5f, 0.4f)->n.z, 0);
+}
+
+TEST_F(MeshShapes, missing_normals_are_smoothed_unless_faces_are_asked_for) {
+    const std::string roof =
+        "v -1 -1 0\nv -1 1 0\nv 0 -1 1\nv 0 1 1\nv 1 -1 0\nv 1 1 0\n"
+        "f 1 3 4 2\nf 3 5 6 4\n";
+    const auto smooth = look_down(World(shape("a.obj", roof)), 1e-4f, 0.3f);
+    EXPECT_GT(smooth->shading.n.z, 0.999f);
+    EXPECT_NEAR(smooth->n.z, std::sqrt(0.5), 1e-6);
+    const auto flat =
+        look_down(World(shape("b.obj", roof, flag("face_normals", true))), 1e-4f, 0.3f);
+    EXPECT_EQ(flat->shading.n, flat->n);
+}
+
+TEST_F(MeshShapes, B9_a_mesh_far_from_the_origin_keeps_its_shape) {
+    // Moved back in double, before anything is rounded.
+    const std::string far = "v 1e7 0 0\nv 10000001 0 0\nv 10000000.25 1 0\nf 1 2 3\n";
+    const World world(
+        shape("a.obj", far, "<transform name='to_world'><translate x='-1e7'/></transform>"));
+    EXPECT_EQ(world.shape().area(0), 0.5f);
+    EXPECT_EQ(world.shape().bounds().max, Vector3(1, 1, 0));
+}
+
+TEST_F(MeshShapes, parameters_without_effect_are_reported) {
+    const World world(shape("a.obj", square, "<float name='max_smooth_angle' value='40'/>"));
+    ASSERT_EQ(world.diagnostics().all().size(), 1u);
+    EXPECT_EQ(world.diagnostics().all()[0].message,
+              "\"max_smooth_angle\" has no effect: normals are smoothed over all edges whose faces "
+              "share vertices; \"face_normals\" smooths none");
+}
+
+}  // namespace
+}  // namespace lucerna

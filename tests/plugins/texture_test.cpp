@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What every texture must satisfy, tried on all that the registry finds, and what pictures show.
+#include "core/interfaces/texture.h"
+#include "core/image/color.h"
+#include "core/image/exr.h"
+#include "core/image/png.h"
+#include "core/math/sequences.h"
+#include "tests/plugins/workshop.h"
+#include "tests/statistics.h"
+
+#include <map>
+
+namespace lucerna {
+namespace {
+
+std::string texture(const std::string& type, const std::string& body = "") {
+    return fmt::format("<texture type='{}'>{}</texture>", type, body);
+}
+std::string bitmap(const std::string& file, const std::string& body = "") {
+    return texture("bitmap", word("filename", file) + body);
+}
+std::string to_uv(const std::string& steps) {
+    return "<transform name='to_uv'>" + steps + "</transform>";
+}
+const std::string raw = "<boolean name='raw' value='true'/>";
+const std::string nearest = word("filter_type", "nearest");
+
+class Textures : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder = new TemporaryFolder;
+        // Red and green above, blue and white below.
+        write_png(*folder / "corners.png", {.width = 2,
+                                            .height = 2,
+                                            .pixels = {255, 0, 0, 0, 255, 0,  //
+                                                       0, 0, 255, 255, 255, 255}});
+        write_png(*folder / "grey.png", {.width = 1, .height = 1, .pixels = {128, 128, 128}});
+        Image noise(5, 3);
+        Rng rng(1);
+        for (float& v : noise.pixels) v = 4 * rng.next_float() - 1;
+        ImageFile file;
+        add_layer(file, noise);
+        write_exr(*folder / "noise.exr", file);
+        Image broken(2, 1, {"Y"});
+        broken.pixels = {std::numeric_limits<float>::quiet_NaN(), 3};
+        ImageFile broken_file;
+        add_layer(broken_file, broken);
+        write_exr(*folder / "broken.exr", broken_file);
+    }
+    static void TearDownTestSuite() { delete folder; }
+
+    const Texture& make(const std::string& xml) { return workshop_.make<Texture>(xml); }
+
+    /// Every texture with defaults, and some with parameters that are hard.
+    std::vector<std::string> all() {
+        const std::map<std::string, std::string> bodies = {
+            {"bitmap", word("filename", "noise.exr")}};
+        std::vector<std::string> list;
+        for (const std::string& name : workshop_.registry().names("texture")) {
+            const auto body = bodies.find(name);
+            list.push_back(texture(name, body == bodies.end() ? "" : body->second));
+        }
+        for (const char* wrap : {"repeat", "mirror", "clamp"}) {
+            const std::string wrap_mode = word("wrap_mode", wrap);
+            list.push_back(bitmap("noise.exr", wrap_mode + to_uv("<rotate z='1' angle='30'/>"
+                                                                 "<scale x='2' y='-3'/>")));
+            list.push_back(bitmap("corners.png", wrap_mode + raw));
+            list.push_back(bitmap("grey.png", wrap_mode));
+            list.push_back(bitmap("noise.exr", wrap_mode + nearest));
+        }
+        list.push_back(texture("checkerboard", to_uv("<scale value='4'/>")));
+        return list;
+    }
+
+    static inline TemporaryFolder* folder = nullptr;
+    Workshop workshop_{folder->path()};
+};
+
+TEST_F(Textures, StayBelowTheirMaximumAndFinite) {
+    for (const std::string& xml : all()) {
+        SCOPED_TRACE(xml);
+        const Texture& t = make(xml);
+        Rng rng(2);
+        for (int i = 0; i < 2000; ++i) {
+            const Vector2 uv = 6.0f * rng.next_float2() - 2.0f;
+            EXPECT_LE(max_component(t.color(uv)), t.max() + 1e-5f);
+            EXPECT_TRUE(is_finite(t.color(uv)));
+            EXPECT_TRUE(std::isfinite(t.real(uv)));
+        }
+    }
+}
+
+TEST_F(Textures, MeanIsTheAverageOverTheUnitSquare) {
+    for (const std::string& xml :
+         {texture("checkerboard"), bitmap("noise.exr"), bitmap("corners.png"),
+          bitmap("corners.png", word("wrap_mode", "mirror") + nearest)}) {
+        SCOPED_TRACE(xml);
+        const Texture& t = make(xml);
+        ColorD sum(0);
+        constexpr int n = 600;  // a multiple of all sizes
+        for (int i = 0; i < n * n; ++i) {
+            const Vector2d uv((i % n + 0.5) / n, (i / n + 0.5) / n);
+            sum += ColorD(t.color(Vector2(uv)));
+        }
+        const Color mean(sum / double(n * n));
+        EXPECT_LT(glm::length(t.mean() - mean), 1e-4f);
+    }
+}
+
+TEST_F(Textures, GradientsAreThoseOfTheValues) {
+    for (const std::string& xml : all()) {
+        const Texture& t = make(xml);
+        Rng rng(3);
+        int compared = 0;
+        for (int i = 0; i < 500; ++i) {
+            SCOPED_TRACE(xml);
+            const Vector2 uv = 3.0f * rng.next_float2() - 1.0f;
+            const auto slope = [&](float h) {
+                return Vector2(t.real(uv + Vector2(h, 0)) - t.real(uv - Vector2(h, 0)),
+                               t.real(uv + Vector2(0, h)) - t.real(uv - Vector2(0, h))) /
+                       (2 * h);
+            };
+            const Vector2 wide = slope(0x1p-9f), narrow = slope(0x1p-10f);
+            if (glm::distance(wide, narrow) > 1e-3f * (1 + glm::length(wide))) continue;  // an edge
+            ++compared;
+            EXPECT_LT(glm::distance(t.gradient(uv), narrow), 4e-3f * (1 + glm::length(wide)));
+        }
+        EXPECT_GT(compared, 300);
+    }
+}
+
+TEST_F(Textures, HugeAndUndefinedCoordinatesDoNoHarm) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    for (const std::string& xml : all()) {
+        SCOPED_TRACE(xml);
+        const Texture& t = make(xml);
+        for (const float x : {-1e-10f, 1.0f, 1e10f, -1e30f, infinity, -infinity, nan}) {
+            EXPECT_TRUE(is_finite(t.color({x, 0.3f})));
+            EXPECT_TRUE(is_finite(t.color({0.3f, x})));
+            EXPECT_TRUE(std::isfinite(t.gradient({x, x}).x));
+        }
+    }
+}
+
+TEST_F(Textures, PicturesStandUpright) {
+    const Texture& t = make(bitmap("corners.png", nearest));
+    EXPECT_EQ(t.color({0.25f, 0.75f}), Color(1, 0, 0));
+    EXPECT_EQ(t.color({0.75f, 0.75f}), Color(0, 1, 0));
+    EXPECT_EQ(t.color({0.25f, 0.25f}), Color(0, 0, 1));
+    EXPECT_EQ(t.color({0.75f, 0.25f}), Color(1, 1, 1));
+    EXPECT_EQ(t.color({1.25f, -0.25f}), Color(1, 0, 0));
+}
+
+TEST_F(Textures, WrapModes) {
+    const auto at = [&](const char* mode, Vector2 uv) {
+        return make(bitmap("corners.png", nearest + word("wrap_mode", mode))).color(uv);
+    };
+    EXPECT_EQ(at("repeat", {1.25f, 0.75f}), Color(1, 0, 0));
+    EXPECT_EQ(at("mirror", {1.25f, 0.75f}), Color(0, 1, 0));
+    EXPECT_EQ(at("mirror", {-0.25f, 0.75f}), Color(1, 0, 0));
+    EXPECT_EQ(at("clamp", {1.25f, 0.75f}), Color(0, 1, 0));
+    EXPECT_EQ(at("clamp", {-7, 0.75f}), Color(1, 0, 0));
+    // Bilinear at the edge u = 0: repeat mixes both columns, the others do not.
+    const auto edge = [&](const char* mode) {
+        return make(bitmap("corners.png", word("wrap_mode", mode))).color({0, 0.75f});
+    };
+    EXPECT_EQ(edge("repeat"), Color(0.5f, 0.5f, 0));
+    EXPECT_EQ(edge("mirror"), Color(1, 0, 0));
+    EXPECT_EQ(edge("clamp"), Color(1, 0, 0));
+}
+
+TEST_F(Textures, TransformsMeanWhatTheyMeanInMitsuba) {
+    // Mitsuba's v counts downwards: (0.25, 0.25) is the red texel.
+    const auto at = [&](const std::string& steps) {
+        return make(bitmap("corners.png", nearest + to_uv(steps))).color({0.25f, 0.75f});
+    };
+    EXPECT_EQ(at("<translate x='0.5'/>"), Color(0, 1, 0));
+    EXPECT_EQ(at("<translate y='0.5'/>"), Color(0, 0, 1));
+    EXPECT_EQ(at("<matrix value='1 0 0.5  0 1 0  0 0 1'/>"), Color(0, 1, 0));
+    EXPECT_EQ(at("<scale x='3'/>"), Color(0, 1, 0));
+    EXPECT_EQ(at("<scale value='3'/>"), Color(1, 1, 1));
+}
+
+TEST_F(Textures, ColoursAreDecodedAndRawDataAreNot) {
+    const float encoded = 128.0f / 255;
+    EXPECT_NEAR(make(bitmap("grey.png")).color({0, 0}).x, srgb_to_linear(encoded), 1e-6f);
+    EXPECT_EQ(make(bitmap("grey.png", raw)).color({0, 0}).x, encoded);
+    EXPECT_EQ(make(bitmap("grey.png", number("gamma", 1))).color({0, 0}).x, encoded);
+    make(bitmap("grey.png", number("gamma", 2.2)));
+    EXPECT_NE(workshop_.warnings(), "");
+    // One number of a colour is its luminance, of raw data the first channel.
+    EXPECT_NEAR(make(bitmap("corners.png", nearest)).real({0.75f, 0.75f}), 0.715169f, 1e-6f);
+    EXPECT_EQ(make(bitmap("corners.png", nearest + raw)).real({0.75f, 0.75f}), 0);
+}
+
+TEST_F(Textures, C15_PixelsThatAreNotFiniteAreTold) {
+    const Texture& t = make(bitmap("broken.exr", nearest));
+    EXPECT_NE(workshop_.warnings().find("1 pixels are not finite"), std::string::npos);
+    EXPECT_EQ(t.color({0.25f, 0.5f}), Color(0));
+    EXPECT_EQ(t.mean(), Color(1.5f));
+}
+
+TEST_F(Textures, WrongParametersAreRefused) {
+    EXPECT_NE(refusal(texture("bitmap"), folder->path()), "");
+    EXPECT_NE(refusal(bitmap("nowhere.png"), folder->path()).find("nowhere.png"),
+              std::string::npos);
+    EXPECT_NE(refusal(bitmap("grey.png", word("wrap_mode", "miror")), folder->path())
+                  .find("did you mean \"mirror\""),
+              std::string::npos);
+}
+
+TEST_F(Textures, CheckerboardHasTwoByTwoSquares) {
+    const Texture& t = make(texture("checkerboard"));
+    EXPECT_EQ(t.color({0.25f, 0.75f}), Color(0.4f));
+    EXPECT_EQ(t.color({0.75f, 0.75f}), Color(0.2f));
+    EXPECT_EQ(t.color({0.75f, 0.25f}), Color(0.4f));
+    EXPECT_EQ(t.color({0.25f, 0.25f}), Color(0.2f));
+    EXPECT_FLOAT_EQ(t.mean().x, 0.3f);
+    const Texture& nested = make(texture(
+        "checkerboard", "<texture name='color0' type='bitmap'>" + word("filename", "corners.png") +
+                            nearest + "</texture>" + number("color1", 0.1)));
+    EXPECT_EQ(nested.color({0.25f, 0.75f}), Color(1, 0, 0));
+    EXPECT_FLOAT_EQ(nested.real({0.25f, 0.25f}), 0.1f);
+}
+
+}  // namespace
+}  // namespace lucerna
