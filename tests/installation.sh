@@ -60,7 +60,7 @@ cmake --install "$scratch/debug" --prefix "$prefix" > /dev/null
 render "$scratch" "$example/scene.xml"
 
 # block LANGUAGE FILE: the first block of that language in a page of the documentation.
-block() { awk -v fence="^\`\`\`$1\$" '$0 ~ fence { on = 1; next } /^```/ { if (on) exit } on' "$2"; }
+block() { awk -v fence='```'"$1" '$0 == fence { on = 1; next } on && /^```/ { exit } on' "$2"; }
 mkdir -p "$scratch/mirror/bsdfs"
 block cpp "$root/docs/writing_a_plugin.md" > "$scratch/mirror/bsdfs/perfect_mirror.cpp"
 block cmake "$root/docs/writing_a_plugin.md" > "$scratch/mirror/CMakeLists.txt"

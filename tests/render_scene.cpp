@@ -42,10 +42,10 @@ FilmState TestScene::render(const Samples& samples) const {
 std::string xml(const TestCamera& c) {
     const std::string view = c.type == "orthographic" ? "" : number("fov", c.fov);
     return fmt::format(
-        "<sensor type='{}'>{}{}{}<transform name='to_world'>{}</transform>"
+        "<sensor type='{}'>{}{}{}{}<transform name='to_world'>{}</transform>"
         "<film type='hdrfilm'>{}{}<rfilter type='{}'/></film><sampler type='{}'/></sensor>",
-        c.type, view, number("near_clip", c.near_clip), number("far_clip", c.far_clip), c.to_world,
-        integer("width", c.width), integer("height", c.height), c.rfilter, c.sampler);
+        c.type, c.inside, view, number("near_clip", c.near_clip), number("far_clip", c.far_clip),
+        c.to_world, integer("width", c.width), integer("height", c.height), c.rfilter, c.sampler);
 }
 
 std::string text_of(Vector3d v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); }
@@ -190,7 +190,7 @@ constexpr double float_tolerance = 2e-5;
 testing::AssertionResult judge(double value, double reference, double error, double precision) {
     const double relative = error / std::abs(reference);
     const std::string figures =
-        fmt::format("{} ± {:.2g} against {}: {:.2f} standard errors", value, error, reference,
+        fmt::format("{} ± {:.2g} against {}: {:.3g} standard errors", value, error, reference,
                     (value - reference) / std::max(error, 1e-300));
     if (!(relative <= precision)) {
         return testing::AssertionFailure()

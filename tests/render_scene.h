@@ -52,6 +52,7 @@ struct TestCamera {
     std::string sampler = "independent";
     std::string rfilter = "box";
     std::string type = "perspective";
+    std::string inside = "";  ///< further parameters
 };
 std::string xml(const TestCamera& camera);
 /// `<lookat …/>`, with an up vector that fits.

@@ -238,20 +238,29 @@ std::string Params::string(std::string_view name, std::string_view default_value
     return std::string(default_value);
 }
 
-Vector3 Params::vector(std::string_view name, Vector3 default_value, std::string_view doc) const {
-    declare(name, "vector", triple_text(default_value), any_value, doc);
+Vector3d Params::triple(std::string_view name, Vector3d default_value) const {
     const Property* property = find(name);
     if (!property) return default_value;
     try {
         Triple parsed{};
         const auto* value = value_of<Triple>(
             *property, parsed, [](std::string_view text) { return Triple{parse_triple(text)}; });
-        if (value) return Vector3(value->value);
+        if (value) return value->value;
         wrong_type(*property, "a point or vector");
     } catch (const Error& e) {
         context_.diagnostics().error(property->where, e.what());
     }
     return default_value;
+}
+
+Vector3d Params::point(std::string_view name, Vector3d default_value, std::string_view doc) const {
+    declare(name, "point", triple_text(Vector3(default_value)), any_value, doc);
+    return triple(name, default_value);
+}
+
+Vector3 Params::vector(std::string_view name, Vector3 default_value, std::string_view doc) const {
+    declare(name, "vector", triple_text(default_value), any_value, doc);
+    return Vector3(triple(name, Vector3d(default_value)));
 }
 
 ColorD Params::color(const Property& property, ColorD default_value, Range range) const {

@@ -68,6 +68,8 @@ public:
                std::string_view doc) const;
     std::string string(std::string_view name, std::string_view default_value,
                        std::string_view doc) const;
+    /// A position, in double: it may be far from the origin.
+    Vector3d point(std::string_view name, Vector3d default_value, std::string_view doc) const;
     Vector3 vector(std::string_view name, Vector3 default_value, std::string_view doc) const;
     /// Three numbers, a grey value, or a spectrum; the range holds for each channel.
     Color rgb(std::string_view name, Color default_value, Range range, std::string_view doc) const;
@@ -158,6 +160,7 @@ private:
     void declare(std::string_view name, std::string_view type, std::string default_value,
                  Range range, std::string_view doc) const;
     void wrong_type(const Property& property, std::string_view expected) const;
+    Vector3d triple(std::string_view name, Vector3d default_value) const;
     double number(const Property& property, double default_value, Range range) const;
     ColorD color(const Property& property, ColorD default_value, Range range) const;
     std::size_t choose(std::string_view name, std::size_t default_index,

@@ -64,8 +64,7 @@ void RenderJob::run_passes(const Pass& pass) {
     while (!interrupted()) {
         const std::optional<SampleRange> range = plan.next(elapsed());
         if (!range) break;
-        pass_ = *range;
-        tiles_done_ = 0;
+        samples_of_tiles_ = 0;
         const Clock::time_point begin = Clock::now();
         pass(*range);
         if (interrupted()) break;
@@ -93,7 +92,7 @@ void RenderJob::finish_pass(const PassPlan& plan) {
     }
     const double traced = static_cast<double>(ray_statistics().rays() - rays_before_);
     rays_per_second_ = traced / std::max(elapsed(), 1e-9);
-    tiles_done_ = 0;
+    samples_of_tiles_ = 0;
     report();
     if (options_.after_pass) options_.after_pass(status(), state_);
 }
@@ -104,7 +103,7 @@ void RenderJob::sample_pixels(SampleRange range, const Estimator& estimator) {
         if (interrupted()) return;
         const int i = static_cast<int>(index);
         sample_tile(range, tile_size * Vector2i(i % tiles.x, i / tiles.x), estimator);
-        ++tiles_done_;
+        samples_of_tiles_ += static_cast<std::int64_t>(range.size());
         report();
     });
 }
@@ -153,8 +152,8 @@ RenderStatus RenderJob::status() const {
     RenderStatus status;
     status.seconds = elapsed();
     const Vector2i tiles = tiles_in(state_.layout().crop.size);
-    const double part = static_cast<double>(tiles_done_) / (double(tiles.x) * double(tiles.y));
-    status.samples = static_cast<double>(samples_) + part * static_cast<double>(pass_.size());
+    const double part = static_cast<double>(samples_of_tiles_) / (double(tiles.x) * double(tiles.y));
+    status.samples = static_cast<double>(samples_) + part;
     status.fraction = fraction(status);
     // Samples of an earlier run took none of this run's time.
     RenderStatus before;

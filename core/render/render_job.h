@@ -102,8 +102,8 @@ private:
     std::uint64_t samples_;  ///< that every pixel has
     double samples_before_;  ///< that it had when the job began
 
-    SampleRange pass_;
-    std::atomic<std::int64_t> tiles_done_{0};  ///< of this pass
+    /// Of this pass: the number of samples per pixel that are done, summed over tiles.
+    std::atomic<std::int64_t> samples_of_tiles_{0};
 
     std::optional<ErrorEstimate> error_;
     std::uint64_t error_samples_ = 0;  ///< how many there were when the error was computed

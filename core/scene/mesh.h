@@ -5,9 +5,9 @@
 /// viewer from outside; where a file gives vertex normals, they decide instead. Mirroring keeps the
 /// outside outside.
 ///
-/// Texture coordinates: (0, 0) is the lower left corner of a picture and v grows upwards, as in most
-/// OBJ files. Mitsuba counts v downwards; all shapes turn it over so that pictures lie as they do
-/// there: v here is 1 − v there.
+/// Texture coordinates: (0, 0) is the lower left corner of a picture and v grows upwards, as in
+/// most OBJ files. Mitsuba counts v downwards; all shapes turn it over so that pictures lie as they
+/// do there: v here is 1 − v there.
 #pragma once
 
 #include "core/interfaces/shape.h"

@@ -16,7 +16,8 @@ struct AllThreads {
 };
 
 AllThreads& all_threads() {
-    static AllThreads instance;
+    // Never destroyed: worker threads may end after the static objects.
+    static AllThreads& instance = *new AllThreads;
     return instance;
 }
 

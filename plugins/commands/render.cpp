@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 
 namespace lucerna {
@@ -176,11 +177,17 @@ int Rendering::run() {
     const RenderResult result = session_.render(options(earlier_seconds), std::move(state));
     progress_.clear();
     const double seconds = earlier_seconds + result.figures.render_seconds;
-    if (!request_.checkpoint.empty()) save_state(result.film, seconds);
+    std::exception_ptr no_checkpoint;
+    try {
+        if (!request_.checkpoint.empty()) save_state(result.film, seconds);
+    } catch (const FileError&) {
+        no_checkpoint = std::current_exception();  // there can still be pictures
+    }
     write_pictures(session_.scene().sensor().film(),
                    annotated_image(result, command_, request_.scene), paths_, view_);
     fmt::print(stderr, "{}", figures_warnings(result.figures));
     print(result);
+    if (no_checkpoint) std::rethrow_exception(no_checkpoint);
     return result.interrupted ? exit_code::interrupted : exit_code::success;
 }
 

@@ -14,13 +14,13 @@ class PointEmitter final : public Emitter {
 public:
     explicit PointEmitter(const Params& params)
         : intensity_(params.rgb("intensity", Color(1), non_negative, "radiant intensity [W/sr]")) {
-        const Vector3 position = params.vector("position", Vector3(0), "where it is");
+        const Vector3d position = params.point("position", Vector3d(0), "where it is");
         const Transform to_world =
             params.transform("to_world", "instead of position: the point 0 is moved by it");
         if (params.has("position") && params.has("to_world")) {
             params.error("position", "give either position or to_world, not both");
         }
-        position_ = to_world.point(position);
+        position_ = Vector3(to_world.point(position));
         params.no_effect("sampling_weight", "lights are chosen by the light_sampler");
     }
 

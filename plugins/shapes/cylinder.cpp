@@ -6,8 +6,8 @@
 ///   to_world      transform                 rotation, translation and uniform scale
 ///   flip_normals  boolean    false          the normals point to the axis
 ///
-/// u is the angle around the axis, v runs from p1 to p0 (mesh.h tells why). Rays are met in double. As a light it is
-/// sampled by area.
+/// u is the angle around the axis, v runs from p1 to p0 (core/scene/mesh.h tells why). Rays are met
+/// in double. As a light it is sampled by area.
 #include "plugins/shapes/analytic.h"
 
 namespace lucerna {
@@ -16,11 +16,11 @@ namespace {
 class CylinderShape final : public Shape {
 public:
     explicit CylinderShape(const Params& params) : Shape(params) {
-        const Vector3 p0 = params.vector("p0", {0, 0, 0}, "start of the axis, before to_world");
-        const Vector3 p1 = params.vector("p1", {0, 0, 1}, "end of the axis, before to_world");
+        const Vector3d p0 = params.point("p0", {0, 0, 0}, "start of the axis, before to_world");
+        const Vector3d p1 = params.point("p1", {0, 0, 1}, "end of the axis, before to_world");
         const double radius = params.real("radius", 1, positive, "radius, before to_world");
         const double scale = uniform_scale(params, world_from_object());
-        const Vector3d axis = Vector3d(p1) - Vector3d(p0);
+        const Vector3d axis = p1 - p0;
         if (axis == Vector3d(0)) {
             params.error("p1", "\"p0\" and \"p1\" are the same point: the cylinder has no length");
             return;
@@ -29,7 +29,7 @@ public:
         const Vector3d z = glm::normalize(axis),
                        y = glm::normalize(glm::cross(z, Vector3d(frame.s)));
         const Matrix3d object_from_local(glm::cross(y, z), y, z);
-        base_ = world_from_object().point(Vector3d(p0));
+        base_ = world_from_object().point(p0);
         length_ = scale * glm::length(axis);
         radius_ = scale * radius;
         world_from_local_ = Matrix3d(world_from_object().matrix()) * object_from_local / scale;

@@ -7,9 +7,9 @@
 ///   to_world         transform
 ///   flip_normals     boolean    false
 ///
-/// Reads x y z, nx ny nz, u v (or s t, texture_u texture_v) of vertices and vertex_indices of faces;
-/// polygons become fans of triangles. Other properties are not read. Without normals, smooth ones
-/// are computed.
+/// Reads x y z, nx ny nz, u v (or s t, texture_u texture_v) of vertices, and vertex_indices of
+/// faces; polygons become fans of triangles. Other properties are not read. Without normals, smooth
+/// ones are computed.
 #include "core/image/file_bytes.h"
 #include "plugins/shapes/ply_reader.h"
 

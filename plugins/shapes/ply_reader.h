@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads the triangles of PLY files (Turk 1994): ASCII and binary of both byte orders, properties of
-/// any type in any order, polygons of any size. Properties that are not geometry are passed over.
+/// Reads the triangles of PLY files (Turk 1994): ASCII and binary of both byte orders, properties
+/// of any type in any order, polygons of any size. What is not geometry is passed over.
 #pragma once
 
 #include "core/scene/mesh.h"

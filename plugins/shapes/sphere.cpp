@@ -19,10 +19,10 @@ namespace {
 class SphereShape final : public Shape {
 public:
     explicit SphereShape(const Params& params) : Shape(params) {
-        const Vector3 center = params.vector("center", Vector3(0), "center, before to_world");
+        const Vector3d center = params.point("center", Vector3d(0), "center, before to_world");
         const double radius = params.real("radius", 1, positive, "radius, before to_world");
         const double scale = uniform_scale(params, world_from_object());
-        center_ = world_from_object().point(center);
+        center_ = Vector3(world_from_object().point(center));
         radius_ = static_cast<float>(scale * radius);
         world_from_local_ = Matrix3d(world_from_object().matrix()) / scale;
     }
@@ -70,7 +70,7 @@ public:
 
     std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,
                                                     Vector2 u) const override {
-        const std::optional<SphereCone> cone = SphereCone::from(from.p, center_, radius_);
+        const std::optional<SphereCone> cone = seen_from(from);
         if (!cone) return Shape::sample_solid_angle(primitive, from, u);
         SurfaceSample sample = point_with_normal(Vector3d(cone->sample(Vector2d(u)).normal));
         sample.pdf = cone->pdf();
@@ -80,12 +80,23 @@ public:
 
     float pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3 wi,
                           const Interaction& hit) const override {
-        const std::optional<SphereCone> cone = SphereCone::from(from.p, center_, radius_);
+        const std::optional<SphereCone> cone = seen_from(from);
         if (!cone) return Shape::pdf_solid_angle(primitive, from, wi, hit);
         return std::isfinite(cone->pdf()) ? cone->pdf() : 0.0f;
     }
 
 private:
+    /// Empty if the sphere must be sampled by area: from inside, and from so near its surface that
+    /// the side of a rounded point says nothing. Else half of the points on the inside of a sphere
+    /// would look for light on the outside.
+    std::optional<SphereCone> seen_from(const Receiver& from) const {
+        const double distance = glm::length(Vector3d(from.p) - Vector3d(center_));
+        if (distance <= static_cast<double>(radius_) + 4 * static_cast<double>(from.error)) {
+            return {};
+        }
+        return SphereCone::from(from.p, center_, radius_);
+    }
+
     std::optional<Roots> meet(const Ray& ray) const {
         return meet_round(Vector3d(ray.o) - Vector3d(center_), Vector3d(ray.d), radius_);
     }

@@ -30,8 +30,10 @@ std::string view_through(const std::string& slab, double degrees) {
 }
 
 std::string slab(double thickness) {
-    return shape("rectangle", scale(300), glass) +
-           shape("rectangle", scale(300) + look({0, 0, -thickness}, {0, 0, -1}), glass);
+    const double size = std::max(3.0, 100 * thickness);
+    return shape("rectangle", scale(size), glass) +
+           shape("rectangle", scale(size) + look({0, 0, -thickness}, {0, 0, -thickness - 1}),
+                 glass);
 }
 
 TEST(GlassSlab, O11_D6_D22_TransmitsByTheAngle) {
@@ -74,7 +76,7 @@ TEST(GlassSlab, D5_D6_SkySeenFromBelowTheSurface) {
         const double perpendicular =
             (n * std::cos(angle) - cos_out) / (n * std::cos(angle) + cos_out);
         const double reflected = cos_out > 0 ? 0.5 * (sqr(parallel) + sqr(perpendicular)) : 1;
-        const FilmState film = scene.render({.per_pixel = 8192});
+        const FilmState film = scene.render({.per_pixel = 16384});
         EXPECT_EQ(film.dropped_samples(), 0u);
         if (reflected == 1) {
             EXPECT_EQ(pixel_statistics(film).mean(), 0) << angle;
@@ -178,13 +180,16 @@ TEST(EmissivePlane, O16_J6_I8_ForEverySamplerAndSensor) {
         path_integrator() +
         shape("rectangle", scale(5000) + look({0, 0, 1}, {0, 0, 0}), diffuse(0) + area_light(1));
     for (const std::string& type : registry.names("sensor")) {
+        const std::string lens =
+            type == "thinlens" ? number("aperture_radius", 0.1) + number("focus_distance", 1) : "";
         for (const std::string& sampler : registry.names("sampler")) {
             const TestScene scene(plane + xml({.to_world = look({0, 0, 0}, {0, 0, 1}),
                                                .fov = 60,
                                                .width = 9,
                                                .height = 5,
                                                .sampler = sampler,
-                                               .type = type}));
+                                               .type = type,
+                                               .inside = lens}));
             EXPECT_TRUE(is_constant(scene.render({.per_pixel = 7}), 1, 1e-6))
                 << type << " " << sampler;
         }

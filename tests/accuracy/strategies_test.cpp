@@ -14,7 +14,11 @@ std::string rough_metal(double alpha) {
 
 /// A corner with glossy and diffuse things and lights of many kinds.
 const std::string still_life =
-    xml({.to_world = look({3, 2.5, 4}, {0, 0.6, 0}), .fov = 45, .width = 24, .height = 16}) +
+    xml({.to_world = look({3, 2.5, 4}, {0, 0.6, 0}),
+         .fov = 45,
+         .width = 24,
+         .height = 16,
+         .sampler = "sobol"}) +
     shape("rectangle", scale(6) + look({0, 0, 0}, {0, 1, 0}), rough_metal(0.3)) +
     shape("rectangle", scale(6) + translate({0, 0, -3}), diffuse(0.7)) +
     sphere({0, 0.7, 0}, 0.7, rough_metal(0.2)) + sphere({1.6, 0.5, 0.5}, 0.5, diffuse(0.6)) +
@@ -55,18 +59,18 @@ std::string strategies(int emitter_samples, int bsdf_samples) {
 
 TEST(Strategies, G11_DirectAndPathAtDepthTwo) {
     const std::string content = still_life + surface_lights + other_lights;
-    const RunningStatistics direct = image_means(direct_integrator() + content, 64);
+    const RunningStatistics direct = image_means(direct_integrator() + content, 128);
     const RunningStatistics path =
-        image_means(path_integrator(integer("max_depth", 2)) + content, 64);
+        image_means(path_integrator(integer("max_depth", 2)) + content, 128);
     EXPECT_TRUE(agree(direct, path));
 }
 
 TEST(Strategies, G7_G11_E19_EachStrategyAlone) {
-    const RunningStatistics both = image_means(strategies(1, 1), 64);
+    const RunningStatistics both = image_means(strategies(1, 1), 128);
     EXPECT_TRUE(agree(image_means(strategies(1, 0), 128), both));
     EXPECT_TRUE(agree(image_means(strategies(0, 1), 512), both, 0.003));
-    EXPECT_TRUE(agree(image_means(strategies(3, 2), 32), both));
-    EXPECT_TRUE(agree(image_means(strategies(1, 4), 32), both));
+    EXPECT_TRUE(agree(image_means(strategies(3, 2), 64), both));
+    EXPECT_TRUE(agree(image_means(strategies(1, 4), 128), both));
 }
 
 /// Lights of all kinds, many of them small.
@@ -102,7 +106,8 @@ TEST(Strategies, O28_MovedTurnedAndScaledSceneIsTheSame) {
                xml({.to_world = look({3, 2.5, 4}, {0, 0.6, 0}) + motion,
                     .fov = 45,
                     .width = 24,
-                    .height = 16}) +
+                    .height = 16,
+                    .sampler = "sobol"}) +
                put("rectangle", scale(6) + look({0, 0, 0}, {0, 1, 0}), rough_metal(0.3)) +
                put("sphere", scale(0.7) + translate({0, 0.7, 0}), rough_metal(0.2)) +
                put("cube", scale(0.4) + translate({-1.5, 0.4, 0.8}), diffuse(0.7)) +

@@ -6,14 +6,13 @@
 #include "core/render/statistics.h"
 #include "core/scene/builder.h"
 #include "core/scene/xml_reader.h"
+#include "tests/benchmarks/benchmark_scenes.h"
 
 #include <fmt/format.h>
 #include <fmt/os.h>
 
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 namespace lucerna {
 
@@ -30,33 +29,6 @@ struct Vertex {
 Vertex vertex(int i, int j) {
     const float u = static_cast<float>(i) / side, v = static_cast<float>(j) / side;
     return {u, v, 0.05f * std::sin(20 * u) * std::cos(17 * v), u, v};
-}
-
-void write_ply(const fs::path& path) {
-    std::ofstream file(path, std::ios::binary);
-    file << "ply\nformat binary_little_endian 1.0\nelement vertex " << (side + 1) * (side + 1)
-         << "\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n"
-            "property float v\nelement face "
-         << 2 * side * side << "\nproperty list uchar int vertex_indices\nend_header\n";
-    for (int j = 0; j <= side; ++j) {
-        for (int i = 0; i <= side; ++i) {
-            const Vertex p = vertex(i, j);
-            file.write(reinterpret_cast<const char*>(&p), sizeof p);
-        }
-    }
-    const auto face = [&](int a, int b, int c) {
-        char bytes[13] = {3};
-        const int indices[3] = {a, b, c};
-        std::memcpy(bytes + 1, indices, sizeof indices);
-        file.write(bytes, sizeof bytes);
-    };
-    for (int j = 0; j < side; ++j) {
-        for (int i = 0; i < side; ++i) {
-            const int a = j * (side + 1) + i, b = a + side + 1;
-            face(a, a + 1, b);
-            face(a + 1, b + 1, b);
-        }
-    }
 }
 
 void write_obj(const fs::path& path) {
@@ -112,7 +84,7 @@ void load_mesh(const char* type, const fs::path& path) {
 }
 
 void run(const fs::path& folder) {
-    write_ply(folder / "grid.ply");
+    write_grid_ply(folder / "grid.ply", side);
     write_obj(folder / "grid.obj");
     write_shapes(folder / "shapes.xml");
 

@@ -5,7 +5,7 @@
 ///     plugin_boundary_benchmark [rounds]
 #include "core/scene/builder.h"
 #include "core/scene/xml_reader.h"
-#include "tests/benchmarks/diffuse_city.h"
+#include "tests/benchmarks/benchmark_scenes.h"
 
 #include <cstdio>
 

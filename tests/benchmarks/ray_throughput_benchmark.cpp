@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How near the path tracer comes to what Embree allows: renders a diffuse city with `path`,
-/// records every ray, replays the very same rays through bare Embree calls on the same scene, and
-/// compares the rates; then renders on two threads.
+/// How near the path tracer comes to what Embree allows: renders diffuse scenes with `path`, records
+/// every ray, replays the very same rays through bare Embree calls on the same scene, and compares
+/// the rates; then renders on two threads. One scene is open and coarse, so that rays are as cheap
+/// as they get; the other is closed and has a million triangles.
 ///
 ///     ray_throughput_benchmark [rounds]
 ///
@@ -10,7 +11,7 @@
 #include "core/scene/builder.h"
 #include "core/scene/embree.h"
 #include "core/scene/xml_reader.h"
-#include "tests/benchmarks/diffuse_city.h"
+#include "tests/benchmarks/benchmark_scenes.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -124,9 +125,9 @@ double replay_seconds(const std::vector<RecordedRay>& rays) {
     return seconds_since(start);
 }
 
-void run(int rounds) {
+void run(const char* name, const std::string& text, int rounds) {
     Diagnostics diagnostics;
-    const Description description = read_scene_text(diffuse_city(), "city", {}, diagnostics);
+    const Description description = read_scene_text(text, name, {}, diagnostics);
     diagnostics.throw_if_errors();
     Registry registry;
     const auto scene = build_scene(description, registry, diagnostics);
@@ -137,7 +138,7 @@ void run(int rounds) {
     render_seconds(*scene, 1, samples);
     recording = nullptr;
     const double millions = static_cast<double>(rays.size()) / 1e6;
-    fmt::print("{:.2f} million rays, {:.0f} % of them shadow rays\n", millions,
+    fmt::print("{}: {:.2f} million rays, {:.0f} % of them shadow rays\n", name, millions,
                100.0 *
                    static_cast<double>(std::count_if(rays.begin(), rays.end(),
                                                      [](const auto& r) { return r.occlusion; })) /
@@ -165,7 +166,12 @@ void run(int rounds) {
 
 int main(int argc, char** argv) {
     try {
-        lucerna::run(argc > 1 ? std::max(1, std::atoi(argv[1])) : 5);
+        const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5;
+        const auto folder = std::filesystem::temp_directory_path() / "lucerna_ray_throughput";
+        std::filesystem::create_directories(folder);
+        lucerna::run("city", lucerna::diffuse_city(), rounds);
+        lucerna::run("room", lucerna::diffuse_room(folder), rounds);
+        std::filesystem::remove_all(folder);
         return 0;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "%s\n", e.what());

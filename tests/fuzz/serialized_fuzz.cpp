@@ -6,7 +6,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {
-        const lucerna::MeshData mesh = lucerna::read_serialized({data, size}, "fuzz", size % 3);
+        const auto index = static_cast<std::uint32_t>(size % 3);
+        const lucerna::MeshData mesh = lucerna::read_serialized({data, size}, "fuzz", index);
         const std::size_t vertices = mesh.positions.size();
         if (mesh.indices.size() % 3 != 0) std::abort();
         if (!mesh.normals.empty() && mesh.normals.size() != vertices) std::abort();

@@ -93,7 +93,8 @@ TEST(Obj, L1_wrong_files_are_refused_with_the_line) {
         {"\x7f\x45\x4c\x46", "a.obj:5: this is not a statement of an OBJ file; is it text?"},
     };
     for (const auto& [text, message] : cases) {
-        EXPECT_EQ(error_of([&] { obj(square + text); }), message);
+        const std::string file = square + text;
+        EXPECT_EQ(error_of([&] { obj(file); }), message);
     }
 }
 
@@ -220,7 +221,8 @@ TEST(Ply, L2_L3_wrong_headers_are_refused_before_anything_is_allocated) {
          "a.ply:17: there is a second element \"vertex\""},
     };
     for (const auto& [from, to, message] : cases) {
-        EXPECT_EQ(error_of([&] { ply(replaced(ascii_ply, from, to)); }), message) << from;
+        const std::string file = replaced(ascii_ply, from, to);
+        EXPECT_EQ(error_of([&] { ply(file); }), message) << from;
     }
 }
 
@@ -236,7 +238,8 @@ TEST(Ply, L2_L6_wrong_contents_are_refused) {
         {"1 1 0", "1 one 0", "a.ply:12: a value should be a number, not \"one\""},
     };
     for (const auto& [from, to, message] : cases) {
-        EXPECT_EQ(error_of([&] { ply(replaced(ascii_ply, from, to)); }), message) << to;
+        const std::string file = replaced(ascii_ply, from, to);
+        EXPECT_EQ(error_of([&] { ply(file); }), message) << to;
     }
 }
 

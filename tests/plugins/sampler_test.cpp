@@ -176,7 +176,8 @@ TEST_F(Samplers, J5_PairsOfDimensionsAreIndependent) {
             }
             EXPECT_TRUE(over_sequences.uniform(sidak(1e-2, 100))) << a << ", " << b;
             // Blocks of samples move together, so this has more variance than if independent.
-            EXPECT_LT(std::abs(correlation(x_along, y_along)), 8 / std::sqrt(6400)) << a << ", " << b;
+            EXPECT_LT(std::abs(correlation(x_along, y_along)), 8 / std::sqrt(6400))
+                << a << ", " << b;
         }
     }
 }
