@@ -24,7 +24,12 @@ namespace lucerna {
 struct Chromaticities {
     Vector2d red{0.64, 0.33}, green{0.30, 0.60}, blue{0.15, 0.06}, white{0.3127, 0.3290};
 
-    bool operator==(const Chromaticities&) const = default;
+    /// Equal as far as the floats of an EXR file can tell.
+    bool operator==(const Chromaticities& o) const {
+        const auto near = [](Vector2d a, Vector2d b) { return glm::length(a - b) < 1e-6; };
+        return near(red, o.red) && near(green, o.green) && near(blue, o.blue) &&
+               near(white, o.white);
+    }
     /// Rec. ITU-R BT.709, which is also sRGB: the default values.
     static Chromaticities rec709() { return {}; }
 };

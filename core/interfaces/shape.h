@@ -92,6 +92,10 @@ public:
     const Emitter* emitter() const { return emitter_; }
     /// Index of the light of primitive 0 in the scene's table, if the shape emits.
     std::uint32_t first_light() const { return first_light_; }
+    /// Names a primitive of a shape that emits, for rays that start or end on it.
+    PrimitiveId primitive_id(std::uint32_t primitive) const {
+        return {.geometry = scene_index_, .primitive = primitive};
+    }
 
 protected:
     /// For shapes that are never hit themselves (shapegroup, instance): reads nothing.
@@ -107,6 +111,7 @@ private:
     const BSDF* bsdf_ = nullptr;
     const Emitter* emitter_ = nullptr;
     std::uint32_t first_light_ = 0;
+    std::uint32_t scene_index_ = PrimitiveId::none;
     bool flip_normals_ = false;
 };
 

@@ -16,8 +16,8 @@ public:
     Object& operator=(const Object&) = delete;
     virtual ~Object();
 
-    /// For those that need the whole scene: its bounds, its lights. Called in the order of
-    /// construction, on one thread. May throw Error.
+    /// For those that need the whole scene: its bounds, its lights. Called on one thread, for
+    /// emitters first, then for all others in the order of construction. May throw Error.
     virtual void prepare(const Scene&) {}
 };
 

@@ -3,6 +3,7 @@
 
 #include "core/interfaces/film.h"
 #include "core/plugin/build_context.h"
+#include "core/scene/find_file.h"
 
 #include <fmt/format.h>
 
@@ -138,23 +139,7 @@ Object* ObjectBuilder::default_object(std::string_view kind, std::string_view ty
 }
 
 fs::path ObjectBuilder::find_file(const std::string& name) {
-    std::vector<fs::path> tried;
-    if (fs::path(name).is_absolute() || description_.search_paths.empty()) {
-        tried.emplace_back(name);
-    } else {
-        for (const std::string& folder : description_.search_paths) {
-            tried.push_back(fs::path(folder) / name);
-        }
-    }
-    std::string list;
-    for (const fs::path& path : tried) {
-        std::error_code ignored;
-        if (fs::is_regular_file(path, ignored)) return path;
-        const bool exists = fs::exists(path, ignored);
-        list += fmt::format("\n  looked for {}{}", path.string(),
-                            exists ? ", which is not a regular file" : "");
-    }
-    throw Error(fmt::format("there is no file \"{}\"{}", name, list));
+    return lucerna::find_file(name, description_.search_paths);
 }
 
 Transform ObjectBuilder::placement(const Element& element) {

@@ -64,7 +64,15 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     if (bounds_.empty()) bounds_ = {.min = Vector3(0), .max = Vector3(0)};
     accelerator_ = std::make_unique<Accelerator>(parts_.shapes, parts_.threads);
     collect_lights();
-    for (const auto& object : parts_.objects) object->prepare(*this);
+    // Emitters first: light samplers ask them for their power.
+    const auto prepare_if = [&](bool emitters) {
+        for (const auto& object : parts_.objects) {
+            const bool is_emitter = dynamic_cast<const Emitter*>(object.get()) != nullptr;
+            if (is_emitter == emitters) object->prepare(*this);
+        }
+    };
+    prepare_if(true);
+    prepare_if(false);
 }
 
 Scene::~Scene() = default;
@@ -76,8 +84,10 @@ void Scene::collect_lights() {
         }
         lights_.push_back({.emitter = emitter});
     }
-    for (Shape* shape : parts_.shapes) {
+    for (std::size_t index = 0; index < parts_.shapes.size(); ++index) {
+        Shape* shape = parts_.shapes[index];
         if (!shape->emitter()) continue;
+        shape->scene_index_ = static_cast<std::uint32_t>(index);
         shape->first_light_ = static_cast<std::uint32_t>(lights_.size());
         for (std::uint32_t i = 0; i < shape->primitive_count(); ++i) {
             lights_.push_back({.emitter = shape->emitter(), .shape = shape, .primitive = i});

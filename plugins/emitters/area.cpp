@@ -41,7 +41,8 @@ public:
                            .pdf = at->pdf,
                            .p = at->p,
                            .n = at->n,
-                           .error = at->error};
+                           .error = at->error,
+                           .target = light.shape->primitive_id(light.primitive)};
     }
 
     float pdf_li(const Light& light, const Receiver& from, Vector3 wi,

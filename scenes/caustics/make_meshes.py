@@ -7,7 +7,7 @@
 import math
 import struct
 
-SEGMENTS = 160
+SEGMENTS = 128
 
 
 def lathe(name, strips):
@@ -54,7 +54,7 @@ def arc(r, y, radius, start, end, count):
             for a in angles]
 
 
-def ring(inner=0.5, width=0.04, height=0.2, edge=0.02):
+def ring(inner=0.42, width=0.03, height=0.28, edge=0.02):
     r0, r1, y0, y1 = inner + edge, inner + width + edge, edge, height - edge
     lathe("ring", [
         arc(r1, y0, edge, -90, 0, 8), line(r1 + edge, y0, r1 + edge, y1, 1),
