@@ -47,7 +47,7 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
                            SampleStream& stream) {
     const Receiver receiver = at.receiver(wo, bsdf.sides());
     const Vector3 wo_local = at.to_local(wo);
-    Color sum(0);
+    ColorD sum(0);  // in double: there may be a million draws
     for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
         const float u_light = stream.next_1d();
         const Vector2 u = stream.next_2d();
@@ -64,9 +64,9 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
         const float density = choice->pmf * sample->pdf;
         const float weight =
             sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);
-        sum += value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density);
+        sum += ColorD(value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density));
     }
-    return sum;
+    return Color(sum);
 }
 
 }  // namespace lucerna

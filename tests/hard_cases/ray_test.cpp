@@ -17,7 +17,7 @@ namespace {
 class Random {
 public:
     explicit Random(unsigned seed) : engine_(seed) {}
-    float number() { return uniform_(engine_) * 0x1p-24f; }
+    float number() { return static_cast<float>(uniform_(engine_)) * 0x1p-24f; }
     Vector2 pair() {
         const float x = number(), y = number();
         return {x, y};
@@ -173,7 +173,12 @@ TEST(Slivers, A11_DistancesAreThoseOfTheTriangle) {
         if (!at) continue;
         ++hits;
         const float distance = glm::dot(at->p - o, ray.d);
-        wrong += !(std::abs(distance - at->t) <= 1e-3f * std::max(1.0f, at->t)) || at->t > 60;
+        const bool bad =
+            !(std::abs(distance - at->t) <= 1e-3f * std::max(1.0f, at->t)) || at->t > 60;
+        if (bad && wrong < 10)
+            printf("DEBUG t %g distance %g error %g\n", double(at->t), double(distance),
+                   double(at->error));
+        wrong += bad;
     }
     EXPECT_GT(hits, 10000);
     EXPECT_EQ(wrong, 0);
