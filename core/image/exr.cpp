@@ -25,6 +25,7 @@
 #include <thread>
 
 #include "core/image/atomic_file.h"
+#include "core/image/exr_header.h"
 #include "core/image/file_bytes.h"
 #include "core/plugin/error.h"
 
@@ -197,6 +198,7 @@ void read_planes(Imf::InputFile& input, ImageFile& file) {
 
 ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name) {
     prepare_library();
+    check_exr_header(bytes);
     MemoryInput stream(bytes, name);
     Imf::InputFile input(stream);
     const Imf::Header& header = input.header();

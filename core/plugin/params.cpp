@@ -168,7 +168,9 @@ std::int64_t Params::integer(std::string_view name, std::int64_t default_value, 
         if (!value) {
             wrong_type(*property, "an integer");
         } else if (!range.contains(static_cast<double>(*value))) {
-            error(name, fmt::format("\"{}\" is {}, but must be in {}", name, *value, range.text()));
+            const bool bounded = std::isfinite(range.min) && std::isfinite(range.max);
+            error(name, fmt::format("\"{}\" is {}, but must be {}{}", name, *value,
+                                    bounded ? "in " : "", range.text()));
         } else {
             return *value;
         }
@@ -188,7 +190,9 @@ int Params::int32(std::string_view name, int default_value, Range range,
     const bool outside = [&] {
         const Property* property = find(name);
         const auto* value = property ? std::get_if<std::int64_t>(&property->value) : nullptr;
-        return value && !range.contains(static_cast<double>(*value));
+        if (!value) return false;
+        const double x = static_cast<double>(*value);
+        return shown.contains(x) && !range.contains(x);
     }();
     return static_cast<int>(integer(name, default_value, outside ? range : shown, doc));
 }

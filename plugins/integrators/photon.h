@@ -8,7 +8,7 @@ namespace lucerna {
 
 /// A unit vector on the octahedron, as two signed integers of `bits` each (Cigolle et al. 2014,
 /// "A Survey of Efficient Representations for Independent Unit Vectors"). The axes are exact; the
-/// error is below 2^(2 − bits).
+/// error is below 2^(3 − bits).
 inline std::uint32_t encode_direction(Vector3 w, int bits) {
     const float limit = static_cast<float>((1 << (bits - 1)) - 1);
     const float norm = std::abs(w.x) + std::abs(w.y) + std::abs(w.z);

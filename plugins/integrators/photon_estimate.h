@@ -10,6 +10,7 @@
 #include "plugins/integrators/photon_map.h"
 
 #include <array>
+#include <span>
 
 namespace lucerna {
 

@@ -109,18 +109,19 @@ TEST_P(LightSamplers, E7_E12_E16_ProbabilitiesAddUp) {
     const PreparedSampler sampler(GetParam(), test.scene());
     for (const Receiver& at : receivers(300)) {
         const double sum = sum_of_probabilities(*sampler, at, test.scene().lights().size());
-        // Less only if there is a chance that no light is drawn.
         EXPECT_LE(sum, sampler->draws() * (1 + 1e-5));
-        bool complete = true;
-        for (int i = 0; i < 64; ++i) {
-            for (std::uint32_t draw = 0; draw < std::min(sampler->draws(), 8u); ++draw) {
-                complete &=
-                    sampler->sample(at, draw, (static_cast<float>(i) + 0.5f) / 64).has_value();
+        // Less only as far as draws choose no light.
+        constexpr int trials = 4000;
+        double empty = 0;
+        const std::uint32_t draws = std::min(sampler->draws(), 8u);
+        for (int i = 0; i < trials; ++i) {
+            for (std::uint32_t draw = 0; draw < draws; ++draw) {
+                const float u = (static_cast<float>(i) + 0.5f) / trials;
+                empty += !sampler->sample(at, draw, u);
             }
         }
-        if (complete) {
-            EXPECT_NEAR(sum / sampler->draws(), 1, 1e-5) << text_of(Vector3d(at.p));
-        }
+        EXPECT_NEAR(sum / sampler->draws(), 1 - empty / (trials * draws), 2e-3)
+            << text_of(Vector3d(at.p));
     }
 }
 
@@ -186,14 +187,15 @@ TEST_P(LightSamplers, E11_UnitsOfLengthDoNotMatter) {
     const TestScene reference(many_lights());
     const PreparedSampler sampler(GetParam(), reference.scene());
     const std::vector<Receiver> points = receivers(50);
-    for (const double size : {1e-3, 1e3}) {
+    // Powers of two: rounding is the same, and so are the splits of trees.
+    for (const double size : {0x1p-10, 0x1p10}) {
         const TestScene scaled(many_lights(size));
         const PreparedSampler other(GetParam(), scaled.scene());
         const std::vector<Receiver> there = receivers(50, static_cast<float>(size));
         for (std::size_t i = 0; i < points.size(); ++i) {
             for (std::uint32_t light = 0; light < reference.scene().lights().size(); ++light) {
                 const float expected = sampler->pmf(points[i], light);
-                EXPECT_NEAR(other->pmf(there[i], light), expected, 1e-3f * expected + 1e-7f)
+                EXPECT_NEAR(other->pmf(there[i], light), expected, 1e-4f * expected + 1e-12f)
                     << "light " << light << " at size " << size;
             }
         }
@@ -282,9 +284,11 @@ TEST_P(LightSamplers, E6_O24_ManyLights) {
     const PreparedSampler sampler(GetParam(), test.scene());
     const Receiver at{.p = {0.01f, 0, 0}, .error = 1e-7f};
     EXPECT_NEAR(sum_of_probabilities(*sampler, at, count) / sampler->draws(), 1, 1e-5);
-    const std::uint64_t samples = sampler->draws() > 1000 ? 1 : 64;
+    // Some look at every light.
+    const bool slow = sampler->draws() > 1000 || GetParam() == "exhaustive";
+    const std::uint64_t samples = slow ? 2 : 512;
     EXPECT_TRUE(agrees(pixel_statistics(test.render({.per_pixel = samples})),
-                       0.032 * 0.5 / std::numbers::pi));
+                       0.032 * 0.5 / std::numbers::pi, 0.003));
 }
 
 TEST_P(LightSamplers, E17_TheSameLightTwiceIsTwiceAsBright) {

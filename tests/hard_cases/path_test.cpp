@@ -211,14 +211,15 @@ TEST(Threads, N10_ResumedRendersAreTheSame) {
         options.threads = threads;
         return options;
     };
-    const auto session = [&] { return Session({.scene = folder / "scene.xml"}); };
-    const FilmState whole = session().render(samples(64, 2)).film;
+    SessionSettings settings;
+    settings.scene = folder / "scene.xml";
+    const FilmState whole = Session(settings).render(samples(64, 2)).film;
     {
-        const Session first = session();
+        const Session first(settings);
         const RenderResult part = first.render(samples(16, 1));
         write_state(folder / "part.state", part.film, first.identity(5), 1);
     }
-    const Session second = session();
+    const Session second(settings);
     RenderState state = read_state(folder / "part.state");
     check_continues(state, film_layout(second.scene()), second.identity(5), "part.state");
     const RenderResult rest = second.render(samples(64, 7), std::move(state));

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A partition of receivers into cells, found by hash: a cube whose size grows with the distance
+/// to the eye, and the side to which the surface faces.
+#pragma once
+
+#include "core/math/sequences.h"
+#include "core/scene/scene.h"
+
+#include <vector>
+
+namespace lucerna {
+
+class CellGrid {
+public:
+    static constexpr std::uint32_t none = 0xffffffff;
+
+    CellGrid() = default;
+    /// `size` is the edge of a cell relative to its distance to the eye.
+    CellGrid(Vector3 eye, const Bounds3& bounds, float size)
+        : eye_(eye),
+          origin_(bounds.center()),
+          unit_(std::max(2 * bounds.radius(), 1e-20f)),
+          size_(size) {}
+
+    /// Edge of the cells at `p`: the size of the scene times a power of two.
+    float edge(Vector3 p) const { return std::ldexp(unit_, -level(p)); }
+
+    /// Name of the cell of a point `p` of a surface like that of the receiver. Never zero.
+    std::uint64_t key(Vector3 p, const Receiver& at) const {
+        const int l = level(p);
+        const Vector3 x = (p - origin_) * (std::ldexp(1.0f, l) / unit_);
+        std::uint64_t key = 1 + static_cast<std::uint64_t>(l);
+        key = key << 3 | face(at);
+        for (int i = 0; i < 3; ++i) {
+            const float cell = std::clamp(std::floor(x[i]), -131071.0f, 131071.0f);
+            key = key << 18 | static_cast<std::uint64_t>(static_cast<int>(cell) + 131072);
+        }
+        return key;
+    }
+
+    /// Cells in the order of this list.
+    void index(const std::vector<std::uint64_t>& keys) {
+        slots_.assign(std::bit_ceil(2 * keys.size() + 1), {0, none});
+        for (std::uint32_t i = 0; i < keys.size(); ++i) {
+            std::size_t slot = mix64(keys[i]) & (slots_.size() - 1);
+            while (slots_[slot].key != 0) slot = (slot + 1) & (slots_.size() - 1);
+            slots_[slot] = {keys[i], i};
+        }
+    }
+    /// Number of the cell, or `none`.
+    std::uint32_t find(std::uint64_t key) const {
+        if (slots_.empty()) return none;
+        for (std::size_t slot = mix64(key) & (slots_.size() - 1);;
+             slot = (slot + 1) & (slots_.size() - 1)) {
+            if (slots_[slot].key == key) return slots_[slot].cell;
+            if (slots_[slot].key == 0) return none;
+        }
+    }
+    std::size_t bytes() const { return slots_.capacity() * sizeof(Slot); }
+
+private:
+    struct Slot {
+        std::uint64_t key;
+        std::uint32_t cell;
+    };
+
+    int level(Vector3 p) const {
+        const float wanted = size_ * glm::length(p - eye_) / unit_;
+        const int exponent = wanted > 0 ? std::ilogb(wanted) : -17;
+        return std::clamp(-1 - exponent, 0, 17);
+    }
+
+    /// Of the six axes the nearest to the normal, or 6 if light arrives from both sides.
+    static std::uint64_t face(const Receiver& at) {
+        if (at.sides == Sides::both) return 6;
+        const Vector3 a = glm::abs(at.n);
+        const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+        const bool negative = (at.n[axis] < 0) != (at.sides == Sides::back);
+        return static_cast<std::uint64_t>(2 * axis + (negative ? 1 : 0));
+    }
+
+    Vector3 eye_{0}, origin_{0};
+    float unit_ = 1;
+    float size_ = 1;
+    std::vector<Slot> slots_;
+};
+
+}  // namespace lucerna

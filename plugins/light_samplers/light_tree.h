@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A binary tree over lights that are somewhere: what light trees of any width are made from.
+///
+/// Top down, the split of least cost among 12 buckets along each axis, where a cluster of power Φ
+/// costs Φ M_Ω K A (Conty Estevez and Kulla 2018; pbrt 4e, 12.6.3). Other than pbrt's, at depth 40
+/// and below clusters are halved by number, so that a path fits into 64 bits, and clusters on a
+/// line have an area.
+#pragma once
+
+#include "core/interfaces/emitter.h"
+#include "core/render/parallel.h"
+
+#include <array>
+#include <bit>
+#include <vector>
+
+namespace lucerna {
+
+/// Lights, as far as their sum can be bounded: where they are, where they shine, how strongly.
+struct LightCluster {
+    Bounds3 box;
+    Vector3 axis{0, 0, 1};  ///< of the cone of normals
+    float cos_normals = 1;
+    float cos_emission = 1;
+    float power = 0;  ///< in the unit of whoever builds the tree; zero: no lights
+    bool two_sided = false;
+
+    void include(const LightCluster& other);
+};
+
+/// One light of a tree.
+struct TreeLight {
+    LightCluster cluster;
+    std::uint32_t light = 0;  ///< index in the scene
+};
+
+/// Angle between unit vectors, exact where it is small or near π.
+inline float angle_between(Vector3 a, Vector3 b) {
+    if (glm::dot(a, b) < 0) return pi - 2 * std::asin(std::min(0.5f * glm::length(a + b), 1.0f));
+    return 2 * std::asin(std::min(0.5f * glm::length(b - a), 1.0f));
+}
+
+inline void LightCluster::include(const LightCluster& other) {
+    if (!(other.power > 0)) return;
+    if (!(power > 0)) {
+        *this = other;
+        return;
+    }
+    box.include(other.box);
+    power += other.power;
+    cos_emission = std::min(cos_emission, other.cos_emission);
+    two_sided |= other.two_sided;
+    if (axis == other.axis || cos_normals <= -1) {
+        cos_normals = std::min(cos_normals, other.cos_normals);
+        return;
+    }
+    const float a = std::acos(cos_normals), b = std::acos(std::max(other.cos_normals, -1.0f));
+    const float d = angle_between(axis, other.axis);
+    if (std::min(d + b, pi) <= a) return;
+    if (std::min(d + a, pi) <= b) {
+        axis = other.axis;
+        cos_normals = other.cos_normals;
+        return;
+    }
+    const float angle = 0.5f * (a + d + b);
+    if (!(angle < pi) || !(d < 0.999f * pi)) {
+        cos_normals = -1;
+        return;
+    }
+    // Turn the axis towards the other one.
+    const float turn = angle - a;
+    axis = glm::normalize(axis * std::sin(d - turn) + other.axis * std::sin(turn));
+    cos_normals = std::cos(angle) - 1e-6f;
+}
+
+/// The integral of cos over the directions in which a cluster shines, had all of it the same
+/// normal cone: M_Ω [sr].
+inline float emission_measure(float cos_normals, float cos_emission) {
+    const float theta_o = std::acos(std::clamp(cos_normals, -1.0f, 1.0f));
+    const float theta_e = std::acos(std::clamp(cos_emission, -1.0f, 1.0f));
+    const float theta_w = std::min(theta_o + theta_e, pi);
+    const float sin_o = std::sin(theta_o), cos_o = std::cos(theta_o);
+    return 2 * pi * (1 - cos_o) + 0.5f * pi *
+                                      (2 * theta_w * sin_o - std::cos(theta_o - 2 * theta_w) -
+                                       2 * theta_o * sin_o + cos_o);
+}
+
+class LightTree {
+public:
+    /// Inner nodes stand before their children; the first child is the next node.
+    struct Node {
+        LightCluster cluster;
+        /// The second child; of a leaf, the index of its light in the scene.
+        std::uint32_t link = 0;
+        bool leaf = false;
+    };
+
+    LightTree() = default;
+    explicit LightTree(std::vector<TreeLight> lights) : lights_(std::move(lights)) { build(); }
+
+    bool empty() const { return nodes_.empty(); }
+    const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
+    /// For each leaf (light, path): bit d of the path tells which child to take at depth d.
+    template <typename Function>
+    void for_each_path(const Function& visit) const;
+
+private:
+    static constexpr int buckets = 12;
+    static constexpr int halving_depth = 40;
+    struct Range {
+        std::uint32_t begin, end, node;
+        int depth;
+        std::uint32_t count() const { return end - begin; }
+    };
+    struct Split {
+        int axis = -1;
+        int bucket = 0;
+        float low = 0, scale = 0;
+        int bucket_of(const LightCluster& c) const {
+            // A little up, so that lights in symmetric places fall alike in any unit of length.
+            const float x = (c.box.center()[axis] - low) * scale + 1e-3f;
+            return std::min(static_cast<int>(x), buckets - 1);
+        }
+    };
+
+    void build();
+    void build_below(const Range& range);
+    std::array<Range, 2> divide(const Range& range);
+    Split best_split(const Range& range) const;
+
+    std::vector<TreeLight> lights_;
+    std::vector<Node> nodes_;
+};
+
+inline void LightTree::build() {
+    if (lights_.empty()) return;
+    const auto count = static_cast<std::uint32_t>(lights_.size());
+    nodes_.resize(2 * std::size_t{count} - 1);
+    // A few large ranges first, then all of them at once: each has its own nodes.
+    std::vector<Range> open{{0, count, 0, 0}}, ready;
+    const std::uint32_t share = std::max(count / 64, 1024u);
+    while (!open.empty()) {
+        const Range range = open.back();
+        open.pop_back();
+        if (range.count() <= share) {
+            ready.push_back(range);
+            continue;
+        }
+        for (const Range& part : divide(range)) open.push_back(part);
+    }
+    Workers().run(static_cast<std::int64_t>(ready.size()), [&](std::int64_t i) {
+        build_below(ready[static_cast<std::size_t>(i)]);
+    });
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+        Node& node = nodes_[i];
+        if (node.leaf) continue;
+        node.cluster = nodes_[i + 1].cluster;
+        node.cluster.include(nodes_[node.link].cluster);
+    }
+    lights_ = {};
+}
+
+inline void LightTree::build_below(const Range& range) {
+    if (range.count() == 1) {
+        const TreeLight& light = lights_[range.begin];
+        nodes_[range.node] = {.cluster = light.cluster, .link = light.light, .leaf = true};
+        return;
+    }
+    for (const Range& part : divide(range)) build_below(part);
+}
+
+/// Sorts the lights of a range into two parts.
+inline std::array<LightTree::Range, 2> LightTree::divide(const Range& range) {
+    const auto first = lights_.begin() + range.begin, last = lights_.begin() + range.end;
+    const std::uint32_t half = range.begin + range.count() / 2;
+    std::uint32_t middle = half;
+    if (const Split split = range.depth < halving_depth ? best_split(range) : Split();
+        split.axis >= 0) {
+        const auto it = std::partition(first, last, [&](const TreeLight& light) {
+            return split.bucket_of(light.cluster) <= split.bucket;
+        });
+        middle = static_cast<std::uint32_t>(it - lights_.begin());
+        if (middle == range.begin || middle == range.end) middle = half;
+    }
+    const std::uint32_t second = range.node + 2 * (middle - range.begin);
+    nodes_[range.node].link = second;
+    return {Range{range.begin, middle, range.node + 1, range.depth + 1},
+            Range{middle, range.end, second, range.depth + 1}};
+}
+
+inline LightTree::Split LightTree::best_split(const Range& range) const {
+    Bounds3 box, centers;
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+        box.include(lights_[i].cluster.box);
+        centers.include(lights_[i].cluster.box.center());
+    }
+    const Vector3 extent = box.extent();
+    const float longest = max_component(extent);
+    const auto cost = [&](const LightCluster& c, int axis) {
+        if (!(c.power > 0)) return 0.0f;
+        const Vector3 e = c.box.extent();
+        const float area = 2 * (e.x * e.y + e.y * e.z + e.z * e.x) + 1e-6f * sqr(longest);
+        return c.power * emission_measure(c.cos_normals, c.cos_emission) * area * longest /
+               extent[axis];
+    };
+    std::array<std::array<LightCluster, buckets>, 3> bins;
+    std::array<Split, 3> splits;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float width = centers.extent()[axis];
+        if (!(width > 0)) continue;
+        splits[static_cast<std::size_t>(axis)] = {axis, 0, centers.min[axis], buckets / width};
+    }
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (splits[axis].axis < 0) continue;
+            const LightCluster& c = lights_[i].cluster;
+            bins[axis][static_cast<std::size_t>(splits[axis].bucket_of(c))].include(c);
+        }
+    }
+    Split best;
+    float least = infinity;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (splits[axis].axis < 0) continue;
+        std::array<LightCluster, buckets> above;
+        for (std::size_t i = buckets - 1; i-- > 0;) {
+            above[i] = above[i + 1];
+            above[i].include(bins[axis][i + 1]);
+        }
+        LightCluster below;
+        for (std::size_t i = 0; i + 1 < buckets; ++i) {
+            below.include(bins[axis][i]);
+            const int dimension = static_cast<int>(axis);
+            const float sum = cost(below, dimension) + cost(above[i], dimension);
+            if (!(sum > 0 && sum < 0.9999f * least)) continue;  // ties: the first
+            least = sum;
+            best = splits[axis];
+            best.bucket = static_cast<int>(i);
+        }
+    }
+    return best;
+}
+
+template <typename Function>
+void LightTree::for_each_path(const Function& visit) const {
+    struct Place {
+        std::uint32_t node;
+        int depth;
+        std::uint64_t path;
+    };
+    std::vector<Place> open;
+    if (!empty()) open.push_back({0, 0, 0});
+    while (!open.empty()) {
+        const auto [index, depth, path] = open.back();
+        open.pop_back();
+        const Node& node = nodes_[index];
+        if (node.leaf) {
+            visit(node.link, path);
+            continue;
+        }
+        open.push_back({index + 1, depth + 1, path});
+        open.push_back({node.link, depth + 1, path | std::uint64_t{1} << depth});
+    }
+}
+
+}  // namespace lucerna

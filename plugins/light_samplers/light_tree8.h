@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A light tree of eight children to a node, which are weighed together.
+///
+/// A binary tree (light_tree.h) is collapsed: of the children of a node, the one whose lights are
+/// most worth telling apart, power times squared size, is replaced by its own children until there
+/// are eight. Leaves are weighed like single lights, with their exact planes.
+#pragma once
+
+#include "plugins/light_samplers/light_lanes.h"
+
+namespace lucerna {
+
+class LightTree8 {
+public:
+    static constexpr std::uint32_t none = 0xffffffff;
+
+    struct Choice {
+        std::uint32_t light;
+        float pmf;
+    };
+    struct Node {
+        LightLanes lanes;
+        std::uint32_t link[8];  ///< node, or light of the scene if the bit in `leaves` is set
+        std::uint32_t parent = none;
+        std::uint8_t slot = 0;  ///< of this node in its parent
+        std::uint8_t leaves = 0;
+        std::uint8_t count = 0;
+    };
+
+    LightTree8() = default;
+    /// Of lights whose indices in the scene are below `light_count`.
+    LightTree8(LightList lights, std::size_t light_count);
+
+    bool empty() const { return nodes_.empty(); }
+    const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
+    /// Draws a light; u in [0, 1). Empty: no light of the cluster that it met can reach the point.
+    std::optional<Choice> sample(const LitPoint& at, double u) const;
+    /// The same number that `sample` reports for the light.
+    float pmf(const LitPoint& at, std::uint32_t light) const;
+    /// Whether the light is in the tree, and its lane in a node.
+    bool holds(std::uint32_t light) const { return place_[light] != none; }
+    std::pair<const LightLanes*, std::size_t> lane(std::uint32_t light) const {
+        return {&nodes_[place_[light] / 8].lanes, place_[light] % 8};
+    }
+    std::size_t bytes() const {
+        return nodes_.capacity() * sizeof(Node) + place_.capacity() * sizeof(std::uint32_t);
+    }
+
+private:
+    using Weights = float[LightLanes::width];
+    static float sum(const Weights& w) {
+        return ((w[0] + w[1]) + (w[2] + w[3])) + ((w[4] + w[5]) + (w[6] + w[7]));
+    }
+    std::uint32_t collapse(const LightTree& binary, std::uint32_t root, std::uint32_t parent,
+                           std::size_t slot, const std::vector<float>& facing);
+
+    std::vector<Node> nodes_;
+    std::vector<std::uint32_t> place_;  ///< of each light of the scene: 8 · node + lane
+};
+
+inline LightTree8::LightTree8(LightList lights, std::size_t light_count)
+    : place_(light_count, none) {
+    if (lights.finite.empty()) return;
+    std::vector<float> facing(light_count);
+    for (std::size_t i = 0; i < lights.finite.size(); ++i) {
+        facing[lights.finite[i].light] = lights.facing[i];
+    }
+    const LightTree binary(std::move(lights.finite));
+    nodes_.reserve(binary.size() / 5 + 1);
+    collapse(binary, 0, none, 0, facing);
+    nodes_.shrink_to_fit();
+}
+
+inline std::uint32_t LightTree8::collapse(const LightTree& binary, std::uint32_t root,
+                                          std::uint32_t parent, std::size_t slot,
+                                          const std::vector<float>& facing) {
+    std::vector<std::uint32_t> children{root};
+    const auto worth = [&](std::uint32_t i) {
+        const LightTree::Node& node = binary[i];
+        const float r = node.cluster.box.radius();
+        return node.leaf ? -1.0f : node.cluster.power * (r * r);
+    };
+    while (children.size() < LightLanes::width) {
+        const auto widest =
+            std::max_element(children.begin(), children.end(),
+                             [&](auto a, auto b) { return worth(a) < worth(b); });
+        if (worth(*widest) < 0) break;
+        const std::uint32_t node = *widest;
+        *widest = node + 1;
+        children.push_back(binary[node].link);
+    }
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.emplace_back();
+    nodes_[index].parent = parent;
+    nodes_[index].slot = static_cast<std::uint8_t>(slot);
+    nodes_[index].count = static_cast<std::uint8_t>(children.size());
+    for (std::size_t i = 0; i < children.size(); ++i) {
+        const LightTree::Node& child = binary[children[i]];
+        nodes_[index].lanes.set(i, child.cluster, child.leaf ? facing[child.link] : -1);
+        if (child.leaf) {
+            nodes_[index].leaves |= static_cast<std::uint8_t>(1u << i);
+            nodes_[index].link[i] = child.link;
+            place_[child.link] = 8 * index + static_cast<std::uint32_t>(i);
+        } else {
+            const std::uint32_t below = collapse(binary, children[i], index, i, facing);
+            nodes_[index].link[i] = below;
+        }
+    }
+    return index;
+}
+
+inline std::optional<LightTree8::Choice> LightTree8::sample(const LitPoint& at, double u) const {
+    float pmf = 1;
+    std::uint32_t index = 0;
+    while (!nodes_.empty()) {
+        const Node& node = nodes_[index];
+        Weights w;
+        contributions(node.lanes, at, w);
+        const float total = sum(w);
+        if (!(total > 0)) break;
+        const double place = u * static_cast<double>(total);
+        double before = 0;
+        std::size_t chosen = LightLanes::width;
+        double start = 0;
+        for (std::size_t i = 0; i < node.count; ++i) {
+            if (!(w[i] > 0)) continue;
+            if (chosen != LightLanes::width && place < before) break;
+            chosen = i;
+            start = before;
+            before += static_cast<double>(w[i]);
+        }
+        u = std::clamp((place - start) / static_cast<double>(w[chosen]), 0.0, 1 - 0x1p-53);
+        pmf *= w[chosen] / total;
+        if (!(pmf > 0)) break;
+        if (node.leaves >> chosen & 1) return Choice{node.link[chosen], pmf};
+        index = node.link[chosen];
+    }
+    return {};
+}
+
+inline float LightTree8::pmf(const LitPoint& at, std::uint32_t light) const {
+    if (!holds(light)) return 0;
+    // The path is known from below; the product is taken from above, as when drawing.
+    std::array<std::uint32_t, 80> path;
+    std::size_t length = 0;
+    for (std::uint32_t at_lane = place_[light]; at_lane != none;) {
+        path[length++] = at_lane;
+        const Node& node = nodes_[at_lane / 8];
+        at_lane = node.parent == none ? none : 8 * node.parent + node.slot;
+    }
+    float pmf = 1;
+    while (length-- > 0 && pmf > 0) {
+        Weights w;
+        contributions(nodes_[path[length] / 8].lanes, at, w);
+        const float total = sum(w);
+        if (!(total > 0)) return 0;
+        pmf *= w[path[length] % 8] / total;
+    }
+    return pmf;
+}
+
+}  // namespace lucerna

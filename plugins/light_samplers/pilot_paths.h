@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Where light sampling will take place: points on paths from the camera, traced before rendering.
+#pragma once
+
+#include "core/interfaces/bsdf.h"
+#include "core/interfaces/sensor.h"
+#include "core/math/sequences.h"
+#include "core/render/parallel.h"
+#include "core/scene/scene.h"
+
+#include <vector>
+
+namespace lucerna {
+
+struct PilotPaths {
+    std::uint32_t count = 0;
+    int bounces = 2;  ///< off surfaces that are not specular
+    std::uint64_t seed = 0;
+};
+
+/// The vertices of one path at which lights are sampled.
+inline std::vector<Receiver> pilot_path(const Scene& scene, const PilotPaths& pilots,
+                                        std::uint32_t index) {
+    constexpr int longest = 16;  // specular surfaces do not count
+    std::vector<Receiver> result;
+    const CropWindow crop = scene.sensor().film().crop();
+    Rng rng(pilots.seed, index);
+    const Vector2 place = sobol_owen_2d(index, pilots.seed);
+    const Vector2 u_lens = rng.next_float2();
+    Ray ray = scene.sensor().sample_ray(Vector2(crop.offset) + place * Vector2(crop.size), u_lens);
+    int bounces = 0;
+    for (int edge = 0; edge < longest && bounces <= pilots.bounces; ++edge) {
+        const std::optional<Interaction> at = scene.intersect(ray);
+        if (!at) break;
+        const Vector3 wo = -ray.d;
+        const BSDF& bsdf = *at->shape->bsdf();
+        if (any(bsdf.lobes() & smooth_lobes)) result.push_back(at->receiver(wo, bsdf.sides()));
+        const float u_lobe = rng.next_float();
+        const Vector2 u = rng.next_float2();
+        const auto next = bsdf.sample(*at, at->to_local(wo), u_lobe, u, TransportMode::radiance);
+        if (!next || is_black(next->weight)) break;
+        const Vector3 wi = next->lobe == Lobe::null ? ray.d : at->to_world(next->wi);
+        if (!is_finite(wi)) break;
+        if (!next->specular()) ++bounces;
+        ray = at->spawn_ray(wi);
+    }
+    return result;
+}
+
+/// All of them, in an order that does not depend on the threads.
+inline std::vector<Receiver> pilot_receivers(const Scene& scene, const PilotPaths& pilots,
+                                             const Workers& workers) {
+    constexpr std::uint32_t chunk = 256;
+    std::vector<std::vector<Receiver>> chunks((pilots.count + chunk - 1) / chunk);
+    workers.run(static_cast<std::int64_t>(chunks.size()), [&](std::int64_t i) {
+        std::vector<Receiver>& mine = chunks[static_cast<std::size_t>(i)];
+        const auto first = static_cast<std::uint32_t>(i) * chunk;
+        for (std::uint32_t k = first; k < std::min(first + chunk, pilots.count); ++k) {
+            const std::vector<Receiver> path = pilot_path(scene, pilots, k);
+            mine.insert(mine.end(), path.begin(), path.end());
+        }
+    });
+    std::vector<Receiver> result;
+    for (const std::vector<Receiver>& c : chunks) result.insert(result.end(), c.begin(), c.end());
+    return result;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How much noise the choice of lights makes: the exact variance of one sample, for every light
+/// sampler there is, at points of a city at night, by evaluating all lights at each point.
+///
+///     light_sampler_benchmark [lights [points [aerial | street [sampler…]]]]
+///
+/// A sampler is a type, and parameters after it: cache:lights=128:jitter=false.
+/// With f_l the estimate that one sample on light l gives, a sampler of probabilities P has the
+/// variance Σ E f_l² / P(l) − (Σ E f_l)² from its own choice and the samples on the lights. The best
+/// there is has P in proportion to √E f_l². Printed are means over the points of the variance
+/// relative to c² + (0.05 c̄)², cut at 10⁴, its median, the number of points at which a light that
+/// contributes has probability zero, and the time of a choice and of a probability.
+#include "core/scene/builder.h"
+#include "core/scene/xml_reader.h"
+#include "plugins/light_samplers/pilot_paths.h"
+#include "tests/benchmarks/benchmark_scenes.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace lucerna {
+namespace {
+
+/// Blocks of 25 m with houses, lamps over the streets, and windows 5 cm in front of the walls.
+std::string night_city(int lights, const std::string& view) {
+    const int side = std::max(6, static_cast<int>(std::sqrt(lights / 8.7)));
+    const double width = 25.0 * side;
+    Rng rng(1);
+    const auto number = [&](double a, double b) { return a + (b - a) * rng.next_double(); };
+    const std::string camera =
+        view == "street" ? fmt::format("origin='0.5,2.5,{}' target='0,6,0'", -0.45 * width)
+                         : fmt::format("origin='{},{},{}' target='0,0,0'", 0.45 * width,
+                                       0.35 * width, -0.5 * width);
+    std::string text = fmt::format(
+        "<scene version='3.0.0'><integrator type='direct'/><sensor type='perspective'>"
+        "<float name='fov' value='50'/><transform name='to_world'><lookat {} up='0,1,0'/>"
+        "</transform><film type='hdrfilm'><integer name='width' value='640'/>"
+        "<integer name='height' value='360'/></film></sensor>"
+        "<bsdf type='diffuse' id='b'><rgb name='reflectance' value='0.5'/></bsdf>"
+        "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='-90'/>"
+        "<scale value='{}'/></transform><ref id='b'/></shape>",
+        camera, width);
+    std::vector<Vector3d> houses;  // middle and height
+    for (int i = 0; i < side * side; ++i) {
+        const double x = 25 * (i % side - 0.5 * (side - 1)), z = 25 * (i / side - 0.5 * (side - 1));
+        const double h = 8 + 55 * std::pow(rng.next_double(), 3);
+        houses.push_back({x + 12.5, h, z});
+        text += fmt::format(
+            "<shape type='cube'><transform name='to_world'><scale x='8' y='{}' z='8'/>"
+            "<translate x='{}' y='{}' z='{}'/></transform><ref id='b'/></shape>",
+            h / 2, x + 12.5, h / 2, z);
+    }
+    for (int i = 0; i < lights; ++i) {
+        const Vector3d house = houses[rng.next_uint() % houses.size()];
+        const bool lamp = rng.next_double() < 0.35;
+        const double along = number(-7, 7), u = rng.next_double();
+        const int wall = static_cast<int>(rng.next_uint() % 4);
+        const double out = lamp ? 10.5 : 8.05;
+        Vector3d p(house.x, lamp ? 6 : number(1.5, house.y - 1), house.z);
+        p[wall % 2 == 0 ? 0 : 2] += wall < 2 ? out : -out;
+        p[wall % 2 == 0 ? 2 : 0] += along;
+        const double radiance = lamp ? 400 : 2 * std::pow(20, u);
+        const double angle = wall == 0 ? 90 : wall == 1 ? 0 : wall == 2 ? -90 : 180;
+        text += fmt::format(
+            "<shape type='rectangle'><transform name='to_world'><scale value='{}'/>"
+            "<rotate {}='1' angle='{}'/><translate x='{:.3f}' y='{:.3f}' z='{:.3f}'/></transform>"
+            "<emitter type='area'><rgb name='radiance' value='{:.3f}'/></emitter></shape>",
+            lamp ? 0.15 : 0.6, lamp ? "x" : "y", lamp ? 90.0 : angle, p.x, p.y, p.z, radiance);
+    }
+    return text + "</scene>";
+}
+
+/// First and second moment of the estimates from each light that reaches a point.
+struct PointMoments {
+    Receiver at;
+    std::vector<std::pair<std::uint32_t, double>> second{};
+    double mean = 0, root = 0;  ///< Σ E f, Σ √E f²
+};
+
+PointMoments moments(const Scene& scene, const Receiver& at) {
+    PointMoments result{.at = at};
+    constexpr int samples = 4;
+    Rng rng(7, static_cast<std::uint64_t>(std::abs(at.p.x) * 1e4f));
+    for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+        const Light& light = scene.lights()[i];
+        double first = 0, second = 0;
+        for (int k = 0; k < samples; ++k) {
+            const Vector2 random = rng.next_float2();
+            const Vector2 u = 0.5f * (random + Vector2(k & 1, k >> 1));
+            const auto sample = light.emitter->sample_li(light, at, u);
+            if (!sample || !(sample->pdf > 0)) continue;
+            const float cosine = glm::dot(sample->wi, at.ns);
+            if (!(cosine > 0) || !(glm::dot(sample->wi, at.n) > 0)) continue;
+            if (scene.occluded(at, *sample)) continue;
+            const auto f = static_cast<double>(luminance(sample->radiance) * cosine / sample->pdf);
+            first += f / samples;
+            second += f * f / samples;
+        }
+        if (!(second > 0)) continue;
+        result.mean += first;
+        result.root += std::sqrt(second);
+        result.second.push_back({i, second});
+    }
+    return result;
+}
+
+std::vector<PointMoments> choose_points(const Scene& scene, std::uint32_t count) {
+    const Workers workers;
+    std::vector<Receiver> receivers =
+        pilot_receivers(scene, {.count = 4 * count, .bounces = 0, .seed = 99}, workers);
+    receivers.resize(std::min<std::size_t>(receivers.size(), count));
+    std::vector<PointMoments> points(receivers.size());
+    workers.run(static_cast<std::int64_t>(points.size()), [&](std::int64_t i) {
+        const auto k = static_cast<std::size_t>(i);
+        points[k] = moments(scene, receivers[k]);
+    });
+    std::erase_if(points, [](const PointMoments& p) { return p.second.empty(); });
+    return points;
+}
+
+void print_row(const std::string& name, std::vector<double> values, int zero, double ns,
+               double pmf_ns, double build) {
+    double sum = 0;
+    for (const double v : values) sum += v / static_cast<double>(values.size());
+    std::sort(values.begin(), values.end());
+    const double median = values[values.size() / 2], p90 = values[values.size() * 9 / 10];
+    std::printf("%-36s %10.4g %10.4g %10.4g %6d %9.0f %9.0f %8.2f\n", name.c_str(), sum, median,
+                p90, zero, ns, pmf_ns, build);
+    std::fflush(stdout);
+}
+
+/// The XML of "cache:lights=128".
+std::string element_of(const std::string& text) {
+    std::vector<std::string> words{""};
+    for (const char c : text) {
+        if (c == ':') {
+            words.emplace_back();
+        } else {
+            words.back() += c;
+        }
+    }
+    std::string xml = "<light_sampler type='" + words.front() + "'>";
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        const std::size_t equals = words[i].find('=');
+        const std::string value = words[i].substr(equals + 1);
+        const char* type = value == "true" || value == "false"         ? "boolean"
+                           : value.find('.') == std::string::npos ? "integer"
+                                                                  : "float";
+        xml += fmt::format("<{} name='{}' value='{}'/>", type, words[i].substr(0, equals), value);
+    }
+    return xml + "</light_sampler>";
+}
+
+void measure(const std::string& type, const Scene& scene,
+             const std::vector<PointMoments>& points, double average) {
+    Registry registry;
+    Diagnostics diagnostics;
+    const Description description = read_scene_text(
+        "<scene version='3.0.0'>" + element_of(type) + "</scene>", "sampler.xml", {}, diagnostics);
+    std::vector<std::unique_ptr<Object>> objects;
+    build_object(*description.root->children.front().element, description, registry, diagnostics,
+                 objects);
+    diagnostics.throw_if_errors();
+    Object* const object = objects.back().get();
+    auto start = BenchmarkClock::now();
+    object->prepare(scene);
+    const double build = seconds_since(start);
+    const auto& sampler = static_cast<const LightSampler&>(*object);
+    std::vector<double> values;
+    int zero = 0;
+    double pmf_seconds = 0, pmf_calls = 0;
+    for (const PointMoments& point : points) {
+        double square = 0;
+        bool missing = false;
+        start = BenchmarkClock::now();
+        for (const auto& [light, second] : point.second) {
+            const auto p = static_cast<double>(sampler.pmf(point.at, light));
+            if (p > 0) square += second / p;
+            if (!(p > 0)) missing = true;
+        }
+        pmf_seconds += seconds_since(start);
+        pmf_calls += static_cast<double>(point.second.size());
+        zero += missing;
+        const double scale = point.mean * point.mean + sqr(0.05 * average);
+        values.push_back(std::clamp((square - sqr(point.mean)) / scale, 0.0, 1e4));
+    }
+    start = BenchmarkClock::now();
+    const int repeats = type == "exhaustive" ? 1 : 200;
+    std::uint32_t sink = 0;
+    Rng rng(3);
+    for (int i = 0; i < repeats; ++i) {
+        for (const PointMoments& point : points) {
+            Receiver at = point.at;
+            at.p.x += 1e-6f * static_cast<float>(i) * at.p.x;
+            if (const auto choice = sampler.sample(at, 0, rng.next_float())) sink += choice->light;
+        }
+    }
+    const double ns = 1e9 * seconds_since(start) / (repeats * static_cast<double>(points.size()));
+    if (sink == 1) std::printf(" ");
+    print_row(type, values, zero, ns, 1e9 * pmf_seconds / pmf_calls, build);
+}
+
+int run(int argc, char** argv) {
+    const int lights = argc > 1 ? std::atoi(argv[1]) : 5000;
+    const auto count = static_cast<std::uint32_t>(argc > 2 ? std::atoi(argv[2]) : 200);
+    const std::string view = argc > 3 ? argv[3] : "aerial";
+    Registry registry;
+    Diagnostics diagnostics;
+    const Description description =
+        read_scene_text(night_city(lights, view), "city.xml", {}, diagnostics);
+    const std::unique_ptr<Scene> scene = build_scene(description, registry, diagnostics);
+    diagnostics.throw_if_errors();
+    const std::vector<PointMoments> points = choose_points(*scene, count);
+    double average = 0;
+    for (const PointMoments& p : points) average += p.mean / static_cast<double>(points.size());
+    std::printf("%d lights, %s, %zu points\n", lights, view.c_str(), points.size());
+    std::printf("%-36s %10s %10s %10s %6s %9s %9s %8s\n", "sampler", "variance", "median",
+                "90 %", "zero", "sample ns", "pmf ns", "build s");
+    std::vector<double> bound;
+    for (const PointMoments& p : points) {
+        bound.push_back((sqr(p.root) - sqr(p.mean)) / (sqr(p.mean) + sqr(0.05 * average)));
+    }
+    print_row("(bound)", bound, 0, 0, 0, 0);
+    std::vector<std::string> types(argv + std::min(argc, 4), argv + argc);
+    if (types.empty()) types = registry.names(LightSampler::kind);
+    for (const std::string& type : types) {
+        if (type != "all") measure(type, *scene, points, average);
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace lucerna
+
+int main(int argc, char** argv) { return lucerna::run(argc, argv); }

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Light samplers where a camera looks at the scene, so that those that learn have learnt. What
+/// holds at any point of any scene is tested in tests/hard_cases/light_sampler_test.cpp.
+#include "core/interfaces/light_sampler.h"
+
+#include "core/interfaces/bsdf.h"
+#include "plugins/light_samplers/pilot_paths.h"
+#include "tests/render_scene.h"
+
+#include <fmt/format.h>
+
+namespace lucerna {
+namespace {
+
+class SeenLights : public testing::TestWithParam<std::string> {
+protected:
+    /// A sampler of the tested type, ready for the scene.
+    const LightSampler& prepared(const Scene& scene) {
+        object_ = make_object(registry_, LightSampler::kind, GetParam());
+        object_->prepare(scene);
+        return static_cast<const LightSampler&>(*object_);
+    }
+
+private:
+    Registry registry_;
+    std::unique_ptr<Object> object_;
+};
+
+INSTANTIATE_TEST_SUITE_P(All, SeenLights, testing::ValuesIn(Registry().names(LightSampler::kind)),
+                         [](const auto& type) { return type.param; });
+
+/// Blocks on a floor between lamps, half of which are hidden, under a dim sky; `integrator` is
+/// the first thing in the scene.
+std::string courtyard(const std::string& integrator, int width = 16) {
+    std::string text = integrator + shape("rectangle", scale(10), diffuse(0.5)) +
+                       xml({.to_world = look({7, -8, 6}, {0, 0, 0.5}),
+                            .fov = 50,
+                            .width = width,
+                            .height = width}) +
+                       constant_light(0.02);
+    for (int i = 0; i < 25; ++i) {
+        const double x = 2.0 * (i % 5) - 4, y = 2.0 * (i / 5) - 4;
+        text += shape("cube", scale(0.4) + translate({x, y, 0.4}), diffuse(0.7));
+        text += shape("rectangle", scale(0.1) + look({x + 0.405, y, 0.5}, {x + 1, y, 0.5}),
+                      area_light(3));
+        text += point_light({x + 1, y + 0.7, 0.3}, 0.2 + 0.05 * i);
+        text += sphere({x - 0.9, y + 0.2, 0.2}, 0.05, area_light(20));
+    }
+    return text;
+}
+
+std::vector<Receiver> seen_points(const Scene& scene, std::uint32_t paths) {
+    return pilot_receivers(scene, {.count = paths, .bounces = 1, .seed = 5}, Workers(1));
+}
+
+/// True if some of 16 samples of the light reach the front of the point.
+bool contributes(const Scene& scene, const Light& light, const Receiver& at) {
+    for (int i = 0; i < 16; ++i) {
+        const Vector2 u(static_cast<float>(i % 4) / 4 + 0.1f, static_cast<float>(i / 4) / 4 + 0.1f);
+        const auto sample = light.emitter->sample_li(light, at, u);
+        if (!sample || is_black(sample->radiance) || !(sample->pdf > 0)) continue;
+        if (glm::dot(sample->wi, at.n) > 1e-5f && !scene.occluded(at, *sample)) return true;
+    }
+    return false;
+}
+
+TEST_P(SeenLights, E7_E8_E9_ProbabilitiesHoldAtPointsThatTheCameraSees) {
+    const TestScene test(courtyard(""));
+    const Scene& scene = test.scene();
+    const LightSampler& sampler = prepared(scene);
+    int checked = 0;
+    for (const Receiver& at : seen_points(scene, 300)) {
+        double sum = 0;
+        for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+            const float p = sampler.pmf(at, i);
+            sum += static_cast<double>(p);
+            if (contributes(scene, scene.lights()[i], at)) {
+                EXPECT_GT(p, 0) << "light " << i;
+                ++checked;
+            }
+        }
+        EXPECT_LE(sum, sampler.draws() * (1 + 1e-5));
+        for (const float u : {0.0f, 0x1p-24f, 0.2f, 0.5f, 0.8f, 0.95f, 1 - 0x1p-24f}) {
+            const auto choice = sampler.sample(at, 0, u);
+            if (!choice) continue;
+            EXPECT_GT(choice->pmf, 0);
+            EXPECT_EQ(choice->pmf, sampler.pmf(at, choice->light));
+        }
+    }
+    EXPECT_GT(checked, 2000);
+}
+
+TEST_P(SeenLights, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
+    const TestScene test(courtyard(""));
+    const std::size_t lights = test.scene().lights().size();
+    const LightSampler& sampler = prepared(test.scene());
+    if (sampler.draws() > 1) GTEST_SKIP() << "visits every light";
+    const std::vector<Receiver> points = seen_points(test.scene(), 12);
+    for (const Receiver& at : points) {
+        constexpr int trials = 50000;
+        std::vector<double> observed(lights + 1), expected(lights + 1);
+        for (std::uint32_t i = 0; i < trials; ++i) {
+            const float u = uint_to_float(sobol_owen_1d_bits(i, 1));
+            const auto choice = sampler.sample(at, 0, u);
+            ++observed[choice ? choice->light : lights];
+        }
+        double rest = 1;
+        for (std::uint32_t i = 0; i < lights; ++i) {
+            expected[i] = static_cast<double>(sampler.pmf(at, i));
+            rest -= expected[i];
+            // The numbers are stratified, so that counts are nearly exact.
+            EXPECT_NEAR(observed[i] / trials, expected[i], 4e-4);
+        }
+        EXPECT_NEAR(observed[lights] / trials, rest, 1e-3);
+    }
+}
+
+std::string direct_with(const std::string& sampler) {
+    return direct_integrator("<light_sampler type='" + sampler + "'/>");
+}
+
+TEST_P(SeenLights, MeanIsThatOfAllLights) {
+    static const RunningStatistics reference =
+        pixel_statistics(TestScene(courtyard(direct_with("all"))).render({.per_pixel = 64}));
+    const TestScene test(courtyard(direct_with(GetParam())));
+    const std::uint64_t samples = GetParam() == "all" ? 16 : 4096;
+    const double mean = pixel_statistics(test.render({.per_pixel = samples, .seed = 3})).mean();
+    EXPECT_NEAR(mean / reference.mean(), 1, 0.01);
+}
+
+TEST_P(SeenLights, ThreadsDoNotChangeTheImage) {
+    const std::string text =
+        courtyard(path_integrator("<light_sampler type='" + GetParam() + "'/>"), 8);
+    const TestScene one(text), again(text);
+    const std::vector<double> expected = numbers_of(one.render({.per_pixel = 2, .threads = 1}));
+    EXPECT_EQ(numbers_of(again.render({.per_pixel = 2, .threads = 3})), expected);
+}
+
+}  // namespace
+}  // namespace lucerna
