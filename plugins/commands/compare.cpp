@@ -58,8 +58,7 @@ void declare_comparison(Arguments& arguments, Request& request) {
     arguments.option("--reference", "FILE", request.reference,
                      "a picture, or the checkpoint of a render, whose noise is then known; by "
                      "default, auto, the scene itself is rendered, and kept in the output folder");
-    arguments.option("--reference-spp", "N", request.reference_samples,
-                     {.min = 4, .max = 1 << 30},
+    arguments.option("--reference-spp", "N", request.reference_samples, {.min = 4, .max = 1 << 30},
                      "samples of the reference; by default 64 times --spp, 16 times --time, or a "
                      "32nd of --error");
     arguments.option("-o,--output", "DIR", request.output,
@@ -233,9 +232,10 @@ private:
         const Image& image = result_.reference.image;
         const Comparison self = compare_images(image, image);
         if (self.non_finite > 0) {
-            throw Error(fmt::format("{} pixels of the reference {} are not finite; nothing can be "
-                                    "measured against it",
-                                    self.non_finite, result_.reference.source));
+            throw Error(
+                fmt::format("{} pixels of the reference {} are not finite; nothing can be "
+                            "measured against it",
+                            self.non_finite, result_.reference.source));
         }
         if (!(self.reference_mean > 0)) {
             throw Error(fmt::format("the reference {} is black; relative errors have no meaning",

@@ -111,7 +111,7 @@ PhotonMapIntegrator::PhotonMapIntegrator(const Params& params)
 /// share that was stored so far: the same for any number of threads.
 PhotonMap PhotonMapIntegrator::build(const RenderJob& job, const PhotonTracer& tracer,
                                      const MapSettings& settings, PhotonKinds kinds) const {
-    constexpr double most_emitted_per_stored = 100;
+    constexpr double most_emitted_per_stored = 100, most_in_vain = 1 << 20;
     constexpr double first_pass = 1 << 16, largest_pass = 1 << 24;
     const double wanted = static_cast<double>(settings.photons);
     PhotonPass pass{
@@ -121,7 +121,9 @@ PhotonMap PhotonMapIntegrator::build(const RenderJob& job, const PhotonTracer& t
     const bool possible = pass.max_depth >= (includes(kinds, PhotonKind::direct) ? 1 : 2);
     for (std::uint64_t i = 0; possible && !tracer.dark() && !job.interrupted(); ++i) {
         const double missing = wanted - static_cast<double>(stored.photons.size());
-        const double left = most_emitted_per_stored * std::max(wanted, first_pass) - stored.emitted;
+        const double most =
+            stored.photons.empty() ? most_in_vain : most_emitted_per_stored * wanted;
+        const double left = std::max(most, most_in_vain) - stored.emitted;
         if (missing <= 0 || left < 1) break;
         const double yield = std::max(static_cast<double>(stored.photons.size()), 1.0) /
                              std::max(stored.emitted, 1.0);

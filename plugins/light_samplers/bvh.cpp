@@ -28,9 +28,7 @@ public:
               "light_samples", 1, {.min = 1, .max = 1024}, "lights chosen at each point"))) {}
 
     void prepare(const Scene& scene) override;
-    std::uint32_t draws() const override {
-        return tree_.empty() && infinite_.empty() ? 0 : draws_;
-    }
+    std::uint32_t draws() const override { return tree_.empty() && infinite_.empty() ? 0 : draws_; }
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;

@@ -80,7 +80,8 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
         params.int32("bounces", 2, {.min = 0, .max = 16}, "after which those paths end");
     cell_size_ = params.real("cell_size", 1.0 / 32, {.min = 1e-4, .max = 100},
                              "largest edge of a cell, relative to its distance to the camera");
-    most_cells_ = count("max_cells", 16384, 1 << 20, "cells grow until they are no more than these");
+    most_cells_ =
+        count("max_cells", 16384, 1 << 20, "cells grow until they are no more than these");
     jitter_ = params.boolean("jitter", true, "whether points also use the cells beside them");
 }
 

@@ -103,9 +103,8 @@ std::optional<LightChoice> ExhaustiveLightSampler::sample(const Receiver& at, st
     if (!(point.total() > 0)) return {};
     const double place = fine_number(at, draw, draws_, u) * point.total();
     const auto block = std::upper_bound(point.sum_until.begin(), point.sum_until.end(), place);
-    const auto index =
-        std::min<std::size_t>(static_cast<std::size_t>(block - point.sum_until.begin()),
-                              point.sum_until.size() - 1);
+    const auto index = std::min<std::size_t>(
+        static_cast<std::size_t>(block - point.sum_until.begin()), point.sum_until.size() - 1);
     double before = index > 0 ? point.sum_until[index - 1] : 0;
     std::size_t chosen = lights_.size();
     for (std::size_t i = 8 * index; i < 8 * index + 8; ++i) {

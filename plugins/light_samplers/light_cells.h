@@ -16,18 +16,18 @@
 namespace lucerna {
 
 struct CellOptions {
-    std::size_t lights = 64;      ///< K, kept in a cell
+    std::size_t lights = 64;  ///< K, kept in a cell
     std::size_t candidates = 256;
-    std::size_t rays = 384;       ///< shadow rays for a cell
-    float floor = 0.02f;          ///< of the learnt visibility
+    std::size_t rays = 384;  ///< shadow rays for a cell
+    float floor = 0.02f;     ///< of the learnt visibility
 };
 
 /// What is known of a region.
 struct LightCell {
-    std::vector<LightLanes> lanes;     ///< intensities times learnt visibility
+    std::vector<LightLanes> lanes;      ///< intensities times learnt visibility
     std::vector<std::uint32_t> lights;  ///< of each lane
-    float tail = 1;      ///< share of draws that the tree gets
-    float infinite = 0;  ///< contribution of all lights at infinity together
+    float tail = 1;                     ///< share of draws that the tree gets
+    float infinite = 0;                 ///< contribution of all lights at infinity together
 };
 
 /// What all cells share.
@@ -57,8 +57,8 @@ public:
 private:
     struct Candidate {
         std::uint32_t light = 0;
-        float mean = 0;             ///< unoccluded contribution, over the points
-        double arrived = 0;         ///< sum over rays of the fraction that arrived
+        float mean = 0;      ///< unoccluded contribution, over the points
+        double arrived = 0;  ///< sum over rays of the fraction that arrived
         double rays = 0;
     };
 
@@ -210,8 +210,7 @@ inline void CellBuilder::trace_rounds() {
         std::vector<double> wanted;
         double total = 0;
         for (const Candidate& c : candidates_) {
-            wanted.push_back(static_cast<double>(c.mean) *
-                             std::sqrt(visibility(c) / (1 + c.rays)));
+            wanted.push_back(static_cast<double>(c.mean) * std::sqrt(visibility(c) / (1 + c.rays)));
             total += wanted.back();
         }
         if (!(total > 0)) return;
@@ -229,9 +228,8 @@ inline void CellBuilder::keep_best(LightCell& cell) {
     const auto value = [&](const Candidate& c) {
         return static_cast<double>(c.mean) * visibility(c);
     };
-    std::stable_sort(
-        candidates_.begin(), candidates_.end(),
-        [&](const Candidate& a, const Candidate& b) { return value(a) > value(b); });
+    std::stable_sort(candidates_.begin(), candidates_.end(),
+                     [&](const Candidate& a, const Candidate& b) { return value(a) > value(b); });
     const std::size_t count = std::min(candidates_.size(), context_.options.lights);
     cell.lanes.assign((count + 7) / 8, {});
     cell.lights.assign(8 * cell.lanes.size(), LightTree8::none);
@@ -289,8 +287,7 @@ inline void CellBuilder::learn_tail(LightCell& cell) {
         }
         const auto choice = context_.tree.sample(lit_[point], u_tree);
         if (!choice) continue;
-        if (std::find(cell.lights.begin(), cell.lights.end(), choice->light) !=
-            cell.lights.end()) {
+        if (std::find(cell.lights.begin(), cell.lights.end(), choice->light) != cell.lights.end()) {
             continue;
         }
         tree2 += sqr(arriving(choice->light, point) / static_cast<double>(choice->pmf));

@@ -41,7 +41,7 @@ struct alignas(32) LightLanes {
     using Lanes = float[width];
     Lanes cx{}, cy{}, cz{}, ex{}, ey{}, ez{}, ax{}, ay{}, az{};
     Lanes cos_o{}, sin_o{}, cos_e{};
-    Lanes facing{};     ///< how far the emitters' plane is in front of c; infinite if they have none
+    Lanes facing{};  ///< how far the emitters' plane is in front of c; infinite if they have none
     Lanes two_sided{};  ///< 1: they shine to both sides
     Lanes intensity{};  ///< zero: an empty lane
 
@@ -101,8 +101,7 @@ inline void contributions(const LightLanes& l, const LitPoint& at, float* __rest
         const float dns = sided(dx * ns.x + dy * ns.y + dz * ns.z, two_sided) + spread * distance;
         const float cos_i = std::min(std::max(dns, 0.25f * above) / std::sqrt(near2), 1.0f);
 
-        const float height =
-            sided(-(dx * l.ax[i] + dy * l.ay[i] + dz * l.az[i]), l.two_sided[i]);
+        const float height = sided(-(dx * l.ax[i] + dy * l.ay[i] + dz * l.az[i]), l.two_sided[i]);
         const float in_front = height + l.facing[i] + slack + 1e-6f * distance;
         const float cos_w = std::min(height * inverse, 1.0f);
         const float sin_w = std::sqrt(std::max(1 - cos_w * cos_w, 0.0f));

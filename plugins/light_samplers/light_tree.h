@@ -149,9 +149,8 @@ inline void LightTree::build() {
         }
         for (const Range& part : divide(range)) open.push_back(part);
     }
-    Workers().run(static_cast<std::int64_t>(ready.size()), [&](std::int64_t i) {
-        build_below(ready[static_cast<std::size_t>(i)]);
-    });
+    Workers().run(static_cast<std::int64_t>(ready.size()),
+                  [&](std::int64_t i) { build_below(ready[static_cast<std::size_t>(i)]); });
     for (std::size_t i = nodes_.size(); i-- > 0;) {
         Node& node = nodes_[i];
         if (node.leaf) continue;

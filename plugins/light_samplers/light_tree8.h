@@ -81,9 +81,8 @@ inline std::uint32_t LightTree8::collapse(const LightTree& binary, std::uint32_t
         return node.leaf ? -1.0f : node.cluster.power * (r * r);
     };
     while (children.size() < LightLanes::width) {
-        const auto widest =
-            std::max_element(children.begin(), children.end(),
-                             [&](auto a, auto b) { return worth(a) < worth(b); });
+        const auto widest = std::max_element(children.begin(), children.end(),
+                                             [&](auto a, auto b) { return worth(a) < worth(b); });
         if (worth(*widest) < 0) break;
         const std::uint32_t node = *widest;
         *widest = node + 1;

@@ -143,7 +143,7 @@ std::string element_of(const std::string& text) {
     for (std::size_t i = 1; i < words.size(); ++i) {
         const std::size_t equals = words[i].find('=');
         const std::string value = words[i].substr(equals + 1);
-        const char* type = value == "true" || value == "false"         ? "boolean"
+        const char* type = value == "true" || value == "false"    ? "boolean"
                            : value.find('.') == std::string::npos ? "integer"
                                                                   : "float";
         xml += fmt::format("<{} name='{}' value='{}'/>", type, words[i].substr(0, equals), value);
@@ -151,8 +151,8 @@ std::string element_of(const std::string& text) {
     return xml + "</light_sampler>";
 }
 
-void measure(const std::string& type, const Scene& scene,
-             const std::vector<PointMoments>& points, double average) {
+void measure(const std::string& type, const Scene& scene, const std::vector<PointMoments>& points,
+             double average) {
     Registry registry;
     Diagnostics diagnostics;
     const Description description = read_scene_text(
@@ -214,8 +214,8 @@ int run(int argc, char** argv) {
     double average = 0;
     for (const PointMoments& p : points) average += p.mean / static_cast<double>(points.size());
     std::printf("%d lights, %s, %zu points\n", lights, view.c_str(), points.size());
-    std::printf("%-36s %10s %10s %10s %6s %9s %9s %8s\n", "sampler", "variance", "median",
-                "90 %", "zero", "sample ns", "pmf ns", "build s");
+    std::printf("%-36s %10s %10s %10s %6s %9s %9s %8s\n", "sampler", "variance", "median", "90 %",
+                "zero", "sample ns", "pmf ns", "build s");
     std::vector<double> bound;
     for (const PointMoments& p : points) {
         bound.push_back((sqr(p.root) - sqr(p.mean)) / (sqr(p.mean) + sqr(0.05 * average)));

@@ -36,7 +36,8 @@ std::string courtyard(const std::string& integrator, int width = 16) {
                        xml({.to_world = look({7, -8, 6}, {0, 0, 0.5}),
                             .fov = 50,
                             .width = width,
-                            .height = width}) +
+                            .height = width,
+                            .sampler = "sobol"}) +
                        constant_light(0.02);
     for (int i = 0; i < 25; ++i) {
         const double x = 2.0 * (i % 5) - 4, y = 2.0 * (i / 5) - 4;
@@ -116,14 +117,15 @@ TEST_P(SeenLights, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
 }
 
 std::string direct_with(const std::string& sampler) {
-    return direct_integrator("<light_sampler type='" + sampler + "'/>");
+    return direct_integrator("<light_sampler type='" + sampler + "'/>" +
+                             boolean("hide_emitters", true));
 }
 
 TEST_P(SeenLights, MeanIsThatOfAllLights) {
     static const RunningStatistics reference =
-        pixel_statistics(TestScene(courtyard(direct_with("all"))).render({.per_pixel = 64}));
-    const TestScene test(courtyard(direct_with(GetParam())));
-    const std::uint64_t samples = GetParam() == "all" ? 16 : 4096;
+        pixel_statistics(TestScene(courtyard(direct_with("all"), 8)).render({.per_pixel = 512}));
+    const TestScene test(courtyard(direct_with(GetParam()), 8));
+    const std::uint64_t samples = GetParam() == "all" ? 256 : 8192;
     const double mean = pixel_statistics(test.render({.per_pixel = samples, .seed = 3})).mean();
     EXPECT_NEAR(mean / reference.mean(), 1, 0.01);
 }

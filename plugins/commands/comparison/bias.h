@@ -4,12 +4,12 @@
 /// Let x₁ … x_R be the repeats and r the reference, both averaged over blocks of pixels, so that
 /// noise falls and a bias that has any extent stays.
 ///
-///   whole picture  b = (⟨x̄⟩ − ⟨r⟩) / ⟨r⟩, with Student's interval over the repeats, widened by the
-///                  variance of ⟨r⟩
-///   blocks         β² = ⟨((x̄ − r)² − s²/R − v) / (r² + ε)⟩, where s² is the variance between the
-///                  repeats, v = ((A − B)/2)² that of the reference from its two halves, ε = 0.01 ⟨r⟩²:
-///                  an unbiased estimate of the squared relative bias, whose standard error comes from
-///                  the blocks, which are independent
+///   whole picture  b = (⟨x̄⟩ − ⟨r⟩) / ⟨r⟩, with Student's interval over the repeats, widened by
+///                  the variance of ⟨r⟩
+///   blocks         β² = ⟨((x̄ − r)² − s²/R − v) / (r² + ε)⟩, where s² is the variance between
+///                  the repeats, v = ((A − B)/2)² that of the reference from its two halves,
+///                  ε = 0.01 ⟨r⟩²: an unbiased estimate of the squared relative bias, whose
+///                  standard error comes from the blocks, which are independent
 ///
 /// Both intervals have 99 %: a comparison of many variants should not cry wolf.
 #pragma once
@@ -34,8 +34,8 @@ public:
         for (int i = 0; i < columns * rows; ++i) {
             Vector3d sum(0);
             for (int j = 0; j < size * size; ++j) {
-                sum += Vector3d(image.rgb(i % columns * size + j % size,
-                                          i / columns * size + j / size));
+                sum += Vector3d(
+                    image.rgb(i % columns * size + j % size, i / columns * size + j / size));
             }
             for (int c = 0; c < 3; ++c) means_.push_back(sum[c] / (size * size));
         }
@@ -110,8 +110,7 @@ inline BiasTest test_bias(const BlockRuns& runs, const Blocks& reference,
                           std::sqrt(whole.variance + r_variance / (r_mean * r_mean));
     test.brightness = {whole.value, whole.value - margin, whole.value + margin};
     const Mean local = mean_of(squares);
-    const double spread =
-        student_quantile(confidence, local.degrees) * std::sqrt(local.variance);
+    const double spread = student_quantile(confidence, local.degrees) * std::sqrt(local.variance);
     const auto root = [](double x) { return std::sqrt(std::max(x, 0.0)); };
     test.local = {root(local.value), root(local.value - spread), root(local.value + spread)};
     test.biased = test.local.low > 0 || test.brightness.low > 0 || test.brightness.high < 0;

@@ -70,8 +70,8 @@ struct Figures {
     Interval efficiency;         ///< 1 / (relMSE · seconds), building included, over the first's
     Interval render_efficiency;  ///< the same, building not counted
     double build_seconds = 0, render_seconds = 0, samples = 0, rays = 0, shadow_rays = 0;
-    double memory = 0;           ///< [bytes]; medians, these all
-    double trimmed_share = 0;    ///< of the sum of relMSE in the worst 0.1 % of pixels
+    double memory = 0;         ///< [bytes]; medians, these all
+    double trimmed_share = 0;  ///< of the sum of relMSE in the worst 0.1 % of pixels
     std::uint64_t dropped_samples = 0;
     BiasTest bias;
     bool limited = false;  ///< the reference's own noise is more than half of some error

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A comparison as a page: one HTML file with everything in it. The page is plugins/commands/report,
-/// put together when Lucerna is built; here its data are added.
+/// A comparison as a page: one HTML file with everything in it. The page is
+/// plugins/commands/report, put together when Lucerna is built; here its data are added.
 #pragma once
 
 #include "core/command_line/json.h"

@@ -23,12 +23,12 @@ namespace lucerna {
 
 struct Reference {
     Image image;
-    std::vector<Image> halves{};             ///< two, independent of each other, or none
-    std::optional<ErrorEstimate> error{};    ///< its own, from the halves
-    std::uint64_t samples = 0;               ///< per pixel; 0 if unknown
-    double seconds = 0;                      ///< it took to render; 0 if unknown
-    std::string source;                      ///< the file
-    std::uint64_t scene_hash = 0;            ///< 0 if unknown
+    std::vector<Image> halves{};           ///< two, independent of each other, or none
+    std::optional<ErrorEstimate> error{};  ///< its own, from the halves
+    std::uint64_t samples = 0;             ///< per pixel; 0 if unknown
+    double seconds = 0;                    ///< it took to render; 0 if unknown
+    std::string source;                    ///< the file
+    std::uint64_t scene_hash = 0;          ///< 0 if unknown
 };
 
 /// The colours of a film by `value(pixel, channel)`.
@@ -54,9 +54,8 @@ inline Reference reference_from(const RenderState& state, const std::filesystem:
     reference.error = film.error();
     if (reference.error) {
         for (const int half : {0, 1}) {
-            reference.halves.push_back(film_image(film, [&](std::size_t i, std::size_t c) {
-                return film.half_mean(i, half, c);
-            }));
+            reference.halves.push_back(film_image(
+                film, [&](std::size_t i, std::size_t c) { return film.half_mean(i, half, c); }));
         }
     }
     reference.samples = film.complete_samples();

@@ -109,8 +109,8 @@ inline Json machine_json(int threads) {
     uname(&system);
     Json json = Json::object();
     json.set("processor", processor()).set("threads", threads);
-    return json.set("system", fmt::format("{} {} {}", system.sysname, system.release,
-                                          system.machine));
+    return json.set("system",
+                    fmt::format("{} {} {}", system.sysname, system.release, system.machine));
 }
 
 inline std::string utc_now() {
@@ -132,20 +132,23 @@ inline std::vector<std::string> warnings(const ComparisonResult& result, const S
             "found may be the reference's");
     }
     if (result.budget.error) {
-        lines.push_back("renders that stop at their own estimate of the error stop a little early "
-                        "when they are lucky");
+        lines.push_back(
+            "renders that stop at their own estimate of the error stop a little early "
+            "when they are lucky");
     }
     for (std::size_t i = 0; i < summary.all.size(); ++i) {
         const Figures& f = summary.all[i];
         const std::string& name = result.variants[i].variant.name;
         if (f.limited) {
-            lines.push_back(name + ": the reference is nearly as noisy as these pictures; raise "
-                                   "--reference-spp");
+            lines.push_back(name +
+                            ": the reference is nearly as noisy as these pictures; raise "
+                            "--reference-spp");
         }
         if (f.trimmed_share > 0.1) {
-            lines.push_back(fmt::format("{}: the worst 0.1 % of the pixels hold {:.0f} % of the "
-                                        "error; intervals of so heavy a tail are too narrow",
-                                        name, 100 * f.trimmed_share));
+            lines.push_back(
+                fmt::format("{}: the worst 0.1 % of the pixels hold {:.0f} % of the "
+                            "error; intervals of so heavy a tail are too narrow",
+                            name, 100 * f.trimmed_share));
         }
         if (f.dropped_samples > 0) {
             lines.push_back(fmt::format("{}: {} samples were not finite and are missing", name,
@@ -190,10 +193,10 @@ inline std::string to_csv(const ComparisonResult& result, const Summary& summary
                                 run.repeat, run.figures.seed, run.figures.samples,
                                 run.figures.build_seconds, run.render_seconds, summary.mse(m),
                                 summary.relmse(m), m.mse, m.relmse);
-            text += fmt::format("{:.9g},{:.6g},{:.9g},{},{},{},{}\n", m.trimmed_relmse,
-                                m.trimmed_share, run.flip, run.figures.rays.intersections,
-                                run.figures.rays.occlusions, run.figures.dropped_samples,
-                                run.memory);
+            text +=
+                fmt::format("{:.9g},{:.6g},{:.9g},{},{},{},{}\n", m.trimmed_relmse, m.trimmed_share,
+                            run.flip, run.figures.rays.intersections, run.figures.rays.occlusions,
+                            run.figures.dropped_samples, run.memory);
         }
     }
     return text;
@@ -217,13 +220,13 @@ inline std::string bias_text(const BiasTest& bias) {
 inline std::string table(const ComparisonResult& result, const Summary& summary) {
     std::size_t width = 7;
     for (const VariantRuns& v : result.variants) width = std::max(width, v.variant.name.size());
-    std::string text = fmt::format("{:{}}  {:>7} {:>8} {:>8}  {:>32} {:>8}  {:<22} {}\n", "variant",
-                                   width, "spp", "build s", "render s", "relMSE [95 %]", "ꟻLIP",
-                                   "efficiency [95 %]", "bias");
+    std::string text =
+        fmt::format("{:{}}  {:>7} {:>8} {:>8}  {:>32} {:>8}  {:<22} {}\n", "variant", width, "spp",
+                    "build s", "render s", "relMSE [95 %]", "ꟻLIP", "efficiency [95 %]", "bias");
     for (std::size_t i = 0; i < summary.all.size(); ++i) {
         const Figures& f = summary.all[i];
-        const std::string error = fmt::format("{:.3g} [{:.3g}, {:.3g}]", f.relmse.value,
-                                              f.relmse.low, f.relmse.high);
+        const std::string error =
+            fmt::format("{:.3g} [{:.3g}, {:.3g}]", f.relmse.value, f.relmse.low, f.relmse.high);
         text += fmt::format("{:{}}  {:>7} {:>8.2f} {:>8.2f}  {:>32} {:>8.4f}  {:<22} {}\n",
                             result.variants[i].variant.name, width, f.samples, f.build_seconds,
                             f.render_seconds, error, f.flip.value,

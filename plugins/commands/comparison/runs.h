@@ -37,8 +37,8 @@ inline std::vector<Variant> combinations(
                 const std::string value = list.substr(begin, end - begin);
                 Variant next = variant;
                 next.name += (next.name.empty() ? "" : ", ");
-                next.name += varied.size() > 1 ? path.substr(path.rfind('.') + 1) + "=" + value
-                                               : value;
+                next.name +=
+                    varied.size() > 1 ? path.substr(path.rfind('.') + 1) + "=" + value : value;
                 next.overrides.push_back(path + "=" + value);
                 longer.push_back(next);
                 begin = end + 1;
@@ -96,7 +96,6 @@ private:
 
 class Rounds {
 public:
-    /// `announce` is told, before each run, which one it is.
     Rounds(const SessionSettings& settings, ComparisonResult& result, int repeats, bool quiet)
         : settings_(settings), result_(result), repeats_(repeats), quiet_(quiet) {}
 
@@ -179,10 +178,11 @@ private:
 
     void announce(const VariantRuns& variant) const {
         const Run& run = variant.runs.back();
-        fmt::print(stderr, "round {} of {}: {}: build {:.2f} s, render {:.2f} s, {} spp, relMSE "
-                   "{:.3g}\n", run.repeat + 1, repeats_, variant.variant.name,
-                   run.figures.build_seconds, run.render_seconds, run.figures.samples,
-                   run.metrics.relmse);
+        fmt::print(stderr,
+                   "round {} of {}: {}: build {:.2f} s, render {:.2f} s, {} spp, relMSE "
+                   "{:.3g}\n",
+                   run.repeat + 1, repeats_, variant.variant.name, run.figures.build_seconds,
+                   run.render_seconds, run.figures.samples, run.metrics.relmse);
     }
 
     static void drop_after(VariantRuns& variant, int rounds) {

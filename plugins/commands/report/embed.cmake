@@ -17,8 +17,8 @@ file(WRITE ${OUTPUT}.html "${page}")
 file(READ ${OUTPUT}.html bytes HEX)
 file(REMOVE ${OUTPUT}.html)
 string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
-# Lines of 24 numbers.
-string(REGEX REPLACE "(........................................................................................................................)" "\\1\n" bytes "${bytes}")
+string(REPEAT "." 120 line)  # 24 numbers
+string(REGEX REPLACE "(${line})" "\\1\n" bytes "${bytes}")
 file(WRITE ${OUTPUT} "#include <cstddef>
 
 namespace lucerna {
