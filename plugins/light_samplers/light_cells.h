@@ -68,6 +68,7 @@ private:
     }
 
     void bound_region(float margin);
+    float nearest(const LightLanes& lanes, std::size_t i) const;
     void find_candidates();
     void weigh_candidates();
     void trace(std::size_t candidate);
@@ -107,6 +108,17 @@ inline void CellBuilder::bound_region(float margin) {
     region_.spread = cosine > 0 ? safe_sqrt(1 - sqr(cosine)) : 1.0f;
 }
 
+/// How much larger the contribution of a light is if it is where the box of its cluster comes
+/// nearest to the region, and not in the middle.
+inline float CellBuilder::nearest(const LightLanes& l, std::size_t i) const {
+    const Vector3 d = glm::abs(Vector3(l.cx[i], l.cy[i], l.cz[i]) - region_.p);
+    const Vector3 e(l.ex[i], l.ey[i], l.ez[i]);
+    const Vector3 inflated = e + region_.slack, gap = glm::max(d - e, Vector3(0));
+    const float middle2 = std::max(glm::dot(d, d), 0.5f * glm::dot(inflated, inflated));
+    return middle2 / std::max(glm::dot(gap, gap), std::max(1.5f * sqr(region_.slack), 1e-30f));
+}
+
+/// Best first, by a bound of what the strongest light of a cluster contributes anywhere.
 inline void CellBuilder::find_candidates() {
     struct Entry {
         float bound;
@@ -131,7 +143,8 @@ inline void CellBuilder::find_candidates() {
         contributions(node.lanes, region_, bounds);
         for (std::size_t i = 0; i < node.count; ++i) {
             const bool leaf = node.leaves >> i & 1;
-            if (bounds[i] > 0) open.push({bounds[i], node.link[i], leaf});
+            const float bound = bounds[i] * node.strongest[i] * nearest(node.lanes, i);
+            if (bound > 0) open.push({bound, node.link[i], leaf});
         }
     }
 }

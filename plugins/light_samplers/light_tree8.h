@@ -20,7 +20,8 @@ public:
     };
     struct Node {
         LightLanes lanes;
-        std::uint32_t link[8];  ///< node, or light of the scene if the bit in `leaves` is set
+        std::uint32_t link[8];    ///< node, or light of the scene if the bit in `leaves` is set
+        float strongest[8] = {};  ///< share of the strongest light in the child's intensity
         std::uint32_t parent = none;
         std::uint8_t slot = 0;  ///< of this node in its parent
         std::uint8_t leaves = 0;
@@ -52,7 +53,8 @@ private:
         return ((w[0] + w[1]) + (w[2] + w[3])) + ((w[4] + w[5]) + (w[6] + w[7]));
     }
     std::uint32_t collapse(const LightTree& binary, std::uint32_t root, std::uint32_t parent,
-                           std::size_t slot, const std::vector<float>& facing);
+                           std::size_t slot, const std::vector<float>& facing,
+                           const std::vector<float>& strongest);
 
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> place_;  ///< of each light of the scene: 8 · node + lane
@@ -66,14 +68,21 @@ inline LightTree8::LightTree8(LightList lights, std::size_t light_count)
         facing[lights.finite[i].light] = lights.facing[i];
     }
     const LightTree binary(std::move(lights.finite));
+    std::vector<float> strongest(binary.size());
+    for (std::uint32_t i = binary.size(); i-- > 0;) {
+        const LightTree::Node& node = binary[i];
+        strongest[i] =
+            node.leaf ? node.cluster.power : std::max(strongest[i + 1], strongest[node.link]);
+    }
     nodes_.reserve(binary.size() / 5 + 1);
-    collapse(binary, 0, none, 0, facing);
+    collapse(binary, 0, none, 0, facing, strongest);
     nodes_.shrink_to_fit();
 }
 
 inline std::uint32_t LightTree8::collapse(const LightTree& binary, std::uint32_t root,
                                           std::uint32_t parent, std::size_t slot,
-                                          const std::vector<float>& facing) {
+                                          const std::vector<float>& facing,
+                                          const std::vector<float>& strongest) {
     std::vector<std::uint32_t> children{root};
     const auto worth = [&](std::uint32_t i) {
         const LightTree::Node& node = binary[i];
@@ -96,12 +105,13 @@ inline std::uint32_t LightTree8::collapse(const LightTree& binary, std::uint32_t
     for (std::size_t i = 0; i < children.size(); ++i) {
         const LightTree::Node& child = binary[children[i]];
         nodes_[index].lanes.set(i, child.cluster, child.leaf ? facing[child.link] : -1);
+        nodes_[index].strongest[i] = strongest[children[i]] / child.cluster.power;
         if (child.leaf) {
             nodes_[index].leaves |= static_cast<std::uint8_t>(1u << i);
             nodes_[index].link[i] = child.link;
             place_[child.link] = 8 * index + static_cast<std::uint32_t>(i);
         } else {
-            const std::uint32_t below = collapse(binary, children[i], index, i, facing);
+            const std::uint32_t below = collapse(binary, children[i], index, i, facing, strongest);
             nodes_[index].link[i] = below;
         }
     }

@@ -52,7 +52,7 @@ TEST(GlobalLight, O26_G1_RussianRouletteKeepsTheMean) {
     for (const int rr_depth : {1, 5, 20}) {
         const TestScene scene(path_integrator(integer("rr_depth", rr_depth)) +
                               furnace_room("sphere", 0.8));
-        EXPECT_TRUE(agrees(pixel_statistics(scene.render({.per_pixel = 640})), 5)) << rr_depth;
+        EXPECT_TRUE(agrees(pixel_statistics(scene.render({.per_pixel = 1024})), 5)) << rr_depth;
     }
 }
 
