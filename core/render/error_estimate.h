@@ -13,9 +13,9 @@ namespace lucerna {
 ///   mse = ⟨v⟩,  relative_mse = ⟨v / (m² + ε)⟩ with m = (A + B)/2, ε = 0.01 ⟨m⟩²
 ///
 /// They do not change when the image is scaled (mse: with its square), and they see noise, not
-/// bias. [low, high] covers the expectation of relative_mse with about 95 %. The estimate is too low
-/// while images are very noisy, by about the fraction relative_mse of itself or more, since a rare
-/// bright sample raises m together with v.
+/// bias. [low, high] covers the expectation of relative_mse with about 95 %. The estimate is too
+/// low while images are very noisy, by about the fraction relative_mse of itself or more, since a
+/// rare bright sample raises m together with v.
 struct ErrorEstimate {
     double mse = 0;
     double relative_mse = 0;

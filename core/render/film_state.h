@@ -68,7 +68,8 @@ public:
     std::size_t channel_count() const { return 4 + layout_.layers.size(); }
     std::vector<std::string> channel_names() const;
 
-    /// The image as it is now; a channel "samples.dropped" counts what each pixel dropped, if any did.
+    /// The image as it is now; a channel "samples.dropped" counts what each pixel dropped, if any
+    /// did.
     ImageFile resolve() const;
     /// How far the image is from its limit. Empty if some pixel has samples in one half only;
     /// pixels that lack a half because they dropped its samples are left out.

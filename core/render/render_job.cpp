@@ -152,7 +152,8 @@ RenderStatus RenderJob::status() const {
     RenderStatus status;
     status.seconds = elapsed();
     const Vector2i tiles = tiles_in(state_.layout().crop.size);
-    const double part = static_cast<double>(samples_of_tiles_) / (double(tiles.x) * double(tiles.y));
+    const double part =
+        static_cast<double>(samples_of_tiles_) / (double(tiles.x) * double(tiles.y));
     status.samples = static_cast<double>(samples_) + part;
     status.fraction = fraction(status);
     // Samples of an earlier run took none of this run's time.

@@ -85,7 +85,7 @@ TEST(PhotonMapping, O6_F12_F14_RectangleLight) {
 
 TEST(PhotonMapping, O7_SphereLight) {
     const std::string light = sphere({0, 0, 1.5}, 0.5, diffuse(0) + area_light(1));
-    EXPECT_TRUE(close(image_means(photons_only + floor + light, 1), pi / 9 / (2 * pi), 0.02));
+    EXPECT_TRUE(close(image_means(photons_only + floor + light, 1, 14), 1.0 / 18, 0.02));
 }
 
 /// A point light at height 1, a mirror on the plane x = 2, the floor seen at x = 1.
@@ -163,8 +163,8 @@ TEST(PhotonMapping, G11_CausticsOfSppmAndPtracer) {
     EXPECT_TRUE(close(image_means(integrator("photonmap", depth) + scene, 16, 4), reference, 0.01));
 }
 
-/// The mean squared error of sppm falls as the power −2/3 of the passes: the middle of a floor, with
-/// direct light that has no noise.
+/// The mean squared error of sppm falls as the power −2/3 of the passes: the middle of a floor,
+/// with direct light that has no noise.
 TEST(PhotonMapping, F16_ErrorOfSppmFallsAsItShould) {
     const std::string scene =
         "<shape type='cube'>" + boolean("flip_normals", true) + diffuse(0.6) + "</shape>" +

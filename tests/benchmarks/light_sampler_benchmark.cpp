@@ -6,8 +6,8 @@
 ///
 /// A sampler is a type, and parameters after it: cache:lights=128:jitter=false.
 /// With f_l the estimate that one sample on light l gives, a sampler of probabilities P has the
-/// variance Σ E f_l² / P(l) − (Σ E f_l)² from its own choice and the samples on the lights. The best
-/// there is has P in proportion to √E f_l². Printed are means over the points of the variance
+/// variance Σ E f_l² / P(l) − (Σ E f_l)² from its own choice and the samples on the lights. The
+/// best there is has P in proportion to √E f_l². Printed are means over the points of the variance
 /// relative to c² + (0.05 c̄)², cut at 10⁴, its median, the number of points at which a light that
 /// contributes has probability zero, and the time of a choice and of a probability.
 #include "core/scene/builder.h"

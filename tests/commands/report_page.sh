@@ -31,7 +31,8 @@ cat > "$scratch/visitor.html" << 'END'
 <script>
 function expect(condition, text) { if (!condition) problems.push("expected: " + text); }
 function press(key) {
-    document.body.dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true, cancelable: true}));
+    const options = {key, bubbles: true, cancelable: true};
+    document.body.dispatchEvent(new KeyboardEvent("keydown", options));
     draw();
     return view.toDataURL();
 }
@@ -73,12 +74,15 @@ function visit() {
     expect(press("s") !== before && !element("divider").hidden, "a split picture");
     press("s");
     const box = stage.getBoundingClientRect();
-    const place = {clientX: box.left + box.width / 2, clientY: box.top + box.height / 2, bubbles: true};
+    const clientX = box.left + box.width / 2, clientY = box.top + box.height / 2;
+    const place = {clientX, clientY, bubbles: true};
     stage.dispatchEvent(new PointerEvent("pointermove", place));
     draw();
-    const numbers = [...element("pixel").rows[1].cells].slice(1, 4).map((cell) => Number(cell.textContent));
+    const cells = [...element("pixel").rows[1].cells].slice(1, 4);
+    const numbers = cells.map((cell) => Number(cell.textContent));
     const index = 3 * (state.pixel[1] * width + state.pixel[0]);
-    expect(numbers.every((x, c) => Math.abs(x - pictures[0].values[index + c]) <= 1e-3 * Math.abs(x)),
+    const near = (x, y) => Math.abs(x - y) <= 1e-3 * Math.abs(x);
+    expect(numbers.every((x, c) => near(x, pictures[0].values[index + c])),
            "pixel values under the pointer");
     const zoom = state.zoom;
     stage.dispatchEvent(new WheelEvent("wheel", {...place, deltaY: -600, cancelable: true}));
