@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// How near the path tracer comes to what Embree allows: renders diffuse scenes with `path`,
-/// records every ray, replays the very same rays through bare Embree calls on the same scene, and compares
-/// the rates; then renders on two threads. One scene is open and coarse, so that rays are as cheap
-/// as they get; the other is closed and has a million triangles.
+/// records every ray, replays the very same rays through bare Embree calls on the same scene, and
+/// compares the rates; then renders on two threads. One scene is open and coarse, so that rays are
+/// as cheap as they get; the other is closed and has a million triangles.
 ///
 ///     ray_throughput_benchmark [rounds]
 ///
