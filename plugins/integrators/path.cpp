@@ -121,6 +121,7 @@ void PathIntegrator::sample(const Scene& scene, const Ray& camera_ray, SampleStr
         const Vector3 wi = next->lobe == Lobe::null ? ray.d : at.to_world(next->wi);
         if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) return;
         beta *= next->weight;
+        if (is_black(beta)) return;  // underflow: nothing that follows can be seen
         eta2 *= sqr(next->eta);
         vertex = {.receiver = at.receiver(wo, bsdf.sides()),
                   .pdf = next->pdf,
