@@ -5,10 +5,8 @@
 /// Constant time: alias method (Walker 1977). If no light has power, all are chosen alike.
 #include "core/interfaces/light_sampler.h"
 #include "core/math/distribution.h"
-#include "core/math/sequences.h"
 #include "core/scene/scene.h"
-
-#include <bit>
+#include "plugins/light_samplers/fine_bits.h"
 
 namespace lucerna {
 
@@ -36,8 +34,7 @@ public:
 
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override {
-        const double place = (draw + static_cast<double>(u) + fine_bits(at, draw)) / draws_;
-        const std::uint32_t light = distribution_.sample(std::min(place, 1 - 0x1p-53));
+        const std::uint32_t light = distribution_.sample(fine_number(at, draw, draws_, u));
         return LightChoice{light, pmf(at, light)};
     }
 
@@ -46,16 +43,6 @@ public:
     }
 
 private:
-    /// The 24 bits of a float cannot tell a million lights apart: a hash of the point adds the
-    /// rest, in [0, 2⁻²⁴).
-    double fine_bits(const Receiver& at, std::uint32_t draw) const {
-        if (distribution_.size() < 1024) return 0;
-        const auto bits = [](float x) { return std::uint64_t{std::bit_cast<std::uint32_t>(x)}; };
-        const std::uint64_t key = (bits(at.p.x) + draw) * 0x9e3779b97f4a7c15u +
-                                  bits(at.p.y) * 0xbf58476d1ce4e5b9u + bits(at.p.z);
-        return uint64_to_double(mix64(key)) * 0x1p-24;
-    }
-
     std::uint32_t draws_;
     DiscreteDistribution distribution_;
 };
