@@ -56,7 +56,7 @@ int run(std::vector<std::string> arguments) {
         return arguments.empty() ? exit_code::usage : exit_code::success;
     }
     if (arguments[0] == "--version") {
-        std::printf("lucerna %s\n", core_version());
+        std::printf("lucerna %s\n%s\n", core_version(), core_built_with());
         return exit_code::success;
     }
     const std::string verb = arguments[0];

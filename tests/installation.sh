@@ -25,6 +25,22 @@ mv "$scratch/stage/usr" "$prefix"
 lucerna=$prefix/bin/lucerna
 "$lucerna" --version
 
+# completions WORD…: what the shell offers for the last word.
+completions() {
+    (
+        set +eu
+        source "$prefix/share/bash-completion/completions/lucerna"
+        COMP_WORDS=(lucerna "$@")
+        COMP_CWORD=$#
+        _lucerna "$lucerna"
+        echo "${COMPREPLY[*]}"
+    )
+}
+[[ $(completions ren) == render ]] || fail "the shell does not complete commands"
+[[ $(completions render --thr) == --threads ]] || fail "the shell does not complete options"
+[[ $(completions plugins bsdf/thind) == bsdf/thindielectric ]] ||
+    fail "the shell does not complete plugins"
+
 # Of libraries, authors of plugins need the C++ library and GLM; each header compiles by itself.
 headers=$prefix/include/lucerna
 if grep -rnE '#include <[^>]*[./]' "$headers" | grep -v '#include <glm/'; then
@@ -64,7 +80,10 @@ block() { awk -v fence='```'"$1" '$0 == fence { on = 1; next } on && /^```/ { ex
 mkdir -p "$scratch/mirror/bsdfs"
 block cpp "$root/docs/writing_a_plugin.md" > "$scratch/mirror/bsdfs/perfect_mirror.cpp"
 block cmake "$root/docs/writing_a_plugin.md" > "$scratch/mirror/CMakeLists.txt"
-build_project "$scratch/mirror" "$scratch/mirror/build"
+# By another compiler than the program's, if there is one: both have the same C++ ABI.
+other=()
+if command -v clang++ > /dev/null; then other=(-DCMAKE_CXX_COMPILER=clang++); fi
+build_project "$scratch/mirror" "$scratch/mirror/build" "${other[@]}"
 block xml "$root/docs/writing_a_scene.md" > "$scratch/ball.xml"
 render "$scratch" "$scratch/ball.xml"
 sed 's/<bsdf type="roughplastic">/<bsdf type="perfect_mirror">/; /diffuse_reflectance/d' \

@@ -226,4 +226,16 @@ std::optional<int> Arguments::parse(const std::vector<std::string>& words) {
     }
 }
 
+std::string shell_text(const std::string& command, const std::vector<std::string>& words) {
+    std::string text = "lucerna " + command;
+    for (const std::string& word : words) {
+        const bool plain = !word.empty() &&
+                           word.find_first_of(" \t\n'\"\\$*?[]{}~`#!;&|<>()") == std::string::npos;
+        std::string quoted;
+        for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        text += plain ? " " + word : " '" + quoted + "'";
+    }
+    return text;
+}
+
 }  // namespace lucerna

@@ -74,4 +74,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
+/// "lucerna COMMAND WORD…" as a shell would understand it again: for notes of how a file was made.
+std::string shell_text(const std::string& command, const std::vector<std::string>& words);
+
 }  // namespace lucerna

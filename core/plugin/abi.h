@@ -10,7 +10,7 @@ namespace lucerna {
 /// Version of Lucerna: "0.1.0".
 extern "C" __attribute__((visibility("hidden"))) const char lucerna_version[];
 
-/// Version, hash of the contract headers, and the C++ ABI that this library or plugin was
+/// Version, hash of the contract headers, C++ library and GLM that this library or plugin was
 /// compiled with. A plugin whose text is not the core's is refused.
 extern "C" __attribute__((visibility("hidden"))) const char lucerna_contract_abi[];
 

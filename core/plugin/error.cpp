@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <tuple>
 
 namespace lucerna {
 
@@ -95,20 +97,45 @@ void Diagnostics::warning(Location where, std::string message) {
     add(Severity::warning, where, std::move(message));
 }
 
+void Diagnostics::plugin_error(Location where, std::string message) {
+    add(Severity::error, where, std::move(message));
+    plugin_failed_ = true;
+}
+
+namespace {
+
+/// Each message once, by its place: files in the order in which they are first spoken of.
+std::vector<Diagnostic> in_order(std::vector<Diagnostic> all) {
+    std::map<std::string, std::size_t> ranks;
+    for (const Diagnostic& d : all) ranks.try_emplace(d.file, ranks.size());
+    const auto place = [&](const Diagnostic& d) {
+        return std::tuple(ranks.at(d.file), d.line, d.column);
+    };
+    std::stable_sort(all.begin(), all.end(),
+                     [&](const Diagnostic& a, const Diagnostic& b) { return place(a) < place(b); });
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+}
+
+std::string text_of(const std::vector<Diagnostic>& diagnostics) {
+    std::string text;
+    for (const Diagnostic& d : diagnostics) {
+        if (!text.empty()) text += '\n';
+        text += d.text();
+    }
+    return text;
+}
+
+}  // namespace
+
 void Diagnostics::throw_if_errors() const {
-    if (error_count_ > 0) throw SceneError(all_);
+    if (error_count_ == 0) return;
+    if (plugin_failed_) throw PluginError(text_of(in_order(all_)));
+    throw SceneError(in_order(all_));
 }
 
 SceneError::SceneError(std::vector<Diagnostic> diagnostics)
-    : Error([&] {
-          std::string text;
-          for (const Diagnostic& d : diagnostics) {
-              if (!text.empty()) text += '\n';
-              text += d.text();
-          }
-          return text;
-      }()),
-      diagnostics_(std::move(diagnostics)) {}
+    : Error(text_of(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
     std::string best;

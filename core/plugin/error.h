@@ -59,6 +59,8 @@ struct Diagnostic {
 
     /// "scene.xml:13:9: error: message" followed by the excerpt, without a final newline.
     std::string text() const;
+
+    bool operator==(const Diagnostic&) const = default;
 };
 
 /// All that is wrong with a scene, in the order in which it was found.
@@ -66,16 +68,20 @@ class Diagnostics {
 public:
     void error(Location where, std::string message);
     void warning(Location where, std::string message);
+    /// An error that is no fault of the scene: a library that cannot be used.
+    void plugin_error(Location where, std::string message);
 
     const std::vector<Diagnostic>& all() const { return all_; }
     int error_count() const { return error_count_; }
-    /// Throws SceneError if there was an error.
+    /// If there was an error, throws all that is known, each thing once and in the order of the
+    /// files: SceneError, or PluginError if a library is among it.
     void throw_if_errors() const;
 
 private:
     void add(Severity severity, Location where, std::string message);
     std::vector<Diagnostic> all_;
     int error_count_ = 0;
+    bool plugin_failed_ = false;
 };
 
 /// A scene that cannot be rendered, with everything that is wrong with it.

@@ -47,13 +47,13 @@ const std::string& Params::type() const { return element_.type; }
 const std::string& Params::id() const { return element_.id; }
 
 const Property* Params::find(std::string_view name) const {
+    const Property* found = nullptr;
     for (std::size_t i = 0; i < element_.properties.size(); ++i) {
-        if (element_.properties[i].name == name) {
-            property_read_[i] = true;
-            return &element_.properties[i];
-        }
+        if (element_.properties[i].name != name) continue;
+        property_read_[i] = true;  // also of what is given twice, which the reader has reported
+        if (!found) found = &element_.properties[i];
     }
-    return nullptr;
+    return found;
 }
 
 const Child* Params::find_child(std::string_view name) const {
@@ -101,7 +101,17 @@ Location place_of(const Element& element, std::string_view name) {
 }  // namespace
 
 void Params::error(std::string_view name, std::string message) const {
+    const auto unreadable = [&](const Property& p) {
+        return p.name == name && std::holds_alternative<Unreadable>(p.value);
+    };
+    const auto& given = element_.properties;
+    if (std::any_of(given.begin(), given.end(), unreadable)) return;
+    if (!wrong_.emplace(name).second) return;
     context_.diagnostics().error(place_of(element_, name), std::move(message));
+}
+
+void Params::error(const Property& property, std::string message) const {
+    error(property.name, std::move(message));
 }
 
 void Params::warning(std::string_view name, std::string message) const {
@@ -122,10 +132,8 @@ void Params::declare(std::string_view name, std::string_view type, std::string d
 }
 
 void Params::wrong_type(const Property& property, std::string_view expected) const {
-    context_.diagnostics().error(
-        property.where,
-        fmt::format("\"{}\" of {} \"{}\" must be {}, not {}", property.name, element_.kind,
-                    element_.type, expected, type_name(property.value)));
+    error(property, fmt::format("\"{}\" of {} \"{}\" must be {}, not {}", property.name,
+                                element_.kind, element_.type, expected, type_name(property.value)));
 }
 
 namespace {
@@ -152,7 +160,7 @@ bool Params::boolean(std::string_view name, bool default_value, std::string_view
         if (const bool* value = value_of<bool>(*property, parsed, parse_boolean)) return *value;
         wrong_type(*property, "a boolean");
     } catch (const Error& e) {
-        context_.diagnostics().error(property->where, e.what());
+        error(*property, e.what());
     }
     return default_value;
 }
@@ -175,7 +183,7 @@ std::int64_t Params::integer(std::string_view name, std::int64_t default_value, 
             return *value;
         }
     } catch (const Error& e) {
-        context_.diagnostics().error(property->where, e.what());
+        error(*property, e.what());
     }
     return default_value;
 }
@@ -210,15 +218,13 @@ double Params::number(const Property& property, double default_value, Range rang
             return default_value;
         }
     } catch (const Error& e) {
-        context_.diagnostics().error(property.where, e.what());
+        error(property, e.what());
         return default_value;
     }
     if (range.contains(value)) return value;
-    context_.diagnostics().error(
-        property.where,
-        fmt::format("\"{}\" is {:g}, but must be {}{}", property.name, value,
-                    std::isfinite(range.min) && std::isfinite(range.max) ? "in " : "",
-                    range.text()));
+    error(property, fmt::format("\"{}\" is {:g}, but must be {}{}", property.name, value,
+                                std::isfinite(range.min) && std::isfinite(range.max) ? "in " : "",
+                                range.text()));
     return default_value;
 }
 
@@ -252,7 +258,7 @@ Vector3d Params::triple(std::string_view name, Vector3d default_value) const {
         if (value) return value->value;
         wrong_type(*property, "a point or vector");
     } catch (const Error& e) {
-        context_.diagnostics().error(property->where, e.what());
+        error(*property, e.what());
     }
     return default_value;
 }
@@ -286,13 +292,13 @@ ColorD Params::color(const Property& property, ColorD default_value, Range range
         // author's mistake. Anything further out is.
         const ColorD clamped = glm::clamp(c, ColorD(range.min), ColorD(range.max));
         if (glm::length(c - clamped) <= 0.1 * glm::length(c)) return clamped;
-        context_.diagnostics().error(
-            property.where,
-            fmt::format(
-                "\"{}\" is {}, but each channel must be {}{}", property.name, color_text(Color(c)),
-                std::isfinite(range.min) && std::isfinite(range.max) ? "in " : "", range.text()));
+        error(property,
+              fmt::format("\"{}\" is {}, but each channel must be {}{}", property.name,
+                          color_text(Color(c)),
+                          std::isfinite(range.min) && std::isfinite(range.max) ? "in " : "",
+                          range.text()));
     } catch (const Error& e) {
-        context_.diagnostics().error(property.where, e.what());
+        error(property, e.what());
     }
     return default_value;
 }
@@ -321,15 +327,27 @@ std::filesystem::path Params::file(std::string_view name, std::string_view doc) 
     declare(name, "file", "", any_value, doc);
     const Property* property = find(name);
     if (context_.describing()) return {};
+    const bool made_up_before = std::exchange(made_up_, true);
     if (!property) {
-        throw Error(fmt::format("{} \"{}\" needs a file: <string name=\"{}\" value=\"…\"/>",
+        error(name, fmt::format("{} \"{}\" needs a file: <string name=\"{}\" value=\"…\"/>",
                                 element_.kind, element_.type, name));
+        return {};
     }
     std::string parsed;
     const auto* value =
         value_of<std::string>(*property, parsed, [](const std::string& text) { return text; });
-    if (!value) throw Error(fmt::format("\"{}\" must be the name of a file", name));
-    return context_.find_file(*value);
+    if (!value) {
+        error(name, fmt::format("\"{}\" must be the name of a file", name));
+        return {};
+    }
+    try {
+        const std::filesystem::path found = context_.find_file(*value);
+        made_up_ = made_up_before;
+        return found;
+    } catch (const Error& e) {
+        error(name, e.what());
+        return {};
+    }
 }
 
 std::size_t Params::choose(std::string_view name, std::size_t default_index,
@@ -374,12 +392,20 @@ FloatInput Params::float_input(std::string_view name, float default_value, Range
     return {default_value, static_cast<const Texture*>(named_child(Texture::kind, name, ""))};
 }
 
+const Object* Params::object(const Child& child) const {
+    if (const Object* built = context_.object(child)) return built;
+    // It is wrong, which has been reported. The plugin sees a sound one in its place, so that its
+    // other parameters can be checked.
+    made_up_ = true;
+    return context_.default_object(child.element->kind, default_plugin(child.element->kind));
+}
+
 const Object* Params::named_child(std::string_view kind, std::string_view name,
                                   std::string_view doc) const {
     if (!doc.empty()) declare(name, kind, "none", any_value, doc);
     const Child* child = find_child(name);
     if (!child) return nullptr;
-    if (child->element->kind == kind) return context_.object(*child);
+    if (child->element->kind == kind) return object(*child);
     context_.diagnostics().error(
         child->where, fmt::format("\"{}\" of {} \"{}\" must be a {}, not a {}", name, element_.kind,
                                   element_.type, kind, child->element->kind));
@@ -400,7 +426,7 @@ const Object* Params::single_child(std::string_view kind, std::string_view defau
                 child.where, fmt::format("{} \"{}\" takes only one nested {}", element_.kind,
                                          element_.type, kind));
         }
-        result = context_.object(child);
+        result = object(child);
     }
     if (!result && !default_type.empty()) result = context_.default_object(kind, default_type);
     return result;
@@ -421,7 +447,7 @@ std::vector<const Object*> Params::remaining_children(std::string_view kind, Ran
         const Child& child = element_.children[i];
         if (child_read_[i] || child.element->kind != kind) continue;
         child_read_[i] = true;
-        result.push_back(context_.object(child));
+        result.push_back(object(child));
     }
     if (count.contains(static_cast<double>(result.size()))) return result;
     const std::string wanted =
@@ -431,7 +457,8 @@ std::vector<const Object*> Params::remaining_children(std::string_view kind, Ran
                             result.size()));
 }
 
-void Params::report_unused(const std::function<std::vector<ParameterInfo>()>& accepted) const {
+void Params::report_unused(bool stopped,
+                           const std::function<std::vector<ParameterInfo>()>& accepted) const {
     std::vector<std::pair<std::string, Location>> unused;
     for (std::size_t i = 0; i < property_read_.size(); ++i) {
         const Property& p = element_.properties[i];
@@ -444,6 +471,9 @@ void Params::report_unused(const std::function<std::vector<ParameterInfo>()>& ac
                             c.where);
     }
     if (unused.empty()) return;
+    std::stable_sort(unused.begin(), unused.end(), [](const auto& a, const auto& b) {
+        return a.second.offset < b.second.offset;
+    });
 
     std::vector<std::string> names;
     std::string list;
@@ -453,14 +483,19 @@ void Params::report_unused(const std::function<std::vector<ParameterInfo>()>& ac
                             info.default_value.empty() ? ", required" : ", default ",
                             info.default_value);
     }
+    std::string remedy = list.empty() ? "; it takes none" : "\n  it takes:" + list;
     for (const auto& [name, where] : unused) {
+        const bool known = std::any_of(names.begin(), names.end(), [&](const std::string& n) {
+            return n == name || n == name + " …";  // nested objects, of which there may be several
+        });
+        if (stopped && known) continue;
         const std::string what = fmt::format("{} \"{}\" has no parameter \"{}\"{}", element_.kind,
                                              element_.type, name, did_you_mean(name, names));
         if (element_.type_overridden || context_.lenient()) {
             context_.diagnostics().warning(where, what + ": ignored");
         } else {
-            context_.diagnostics().error(
-                where, list.empty() ? what + "; it takes none" : what + "\n  it takes:" + list);
+            context_.diagnostics().error(where, what + remedy);
+            remedy.clear();  // once for all of an object
         }
     }
 }

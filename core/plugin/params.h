@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -131,7 +132,8 @@ public:
     /// True if the scene gives this parameter as a string that is not a number: for those that are
     /// either, as an index of refraction or the name of a substance. Does not declare it.
     bool is_word(std::string_view name) const;
-    /// Records an error at the parameter (at the element if the scene does not give it).
+    /// Records an error at the parameter (at the element if the scene does not give it). Of several
+    /// about one parameter only the first counts: the others follow from it.
     void error(std::string_view name, std::string message) const;
     /// Records a warning at the parameter (at the element if the scene does not give it).
     void warning(std::string_view name, std::string message) const;
@@ -149,8 +151,13 @@ public:
     Params& operator=(const Params&) = delete;
     ~Params();
 
-    /// For the builder: reports what nobody read.
-    void report_unused(const std::function<std::vector<ParameterInfo>()>& accepted) const;
+    /// For the builder: reports what nobody read; if the plugin `stopped` half way, only what it
+    /// would not have read either.
+    void report_unused(bool stopped,
+                       const std::function<std::vector<ParameterInfo>()>& accepted) const;
+    /// For the builder: true if something was handed out in place of a nested object or a file that
+    /// is wrong. What the plugin throws may follow from that.
+    bool made_up() const { return made_up_; }
     /// For the builder: what was asked for, in order. Only kept while describing.
     const std::vector<ParameterInfo>& asked() const { return asked_; }
 
@@ -160,6 +167,8 @@ private:
     void declare(std::string_view name, std::string_view type, std::string default_value,
                  Range range, std::string_view doc) const;
     void wrong_type(const Property& property, std::string_view expected) const;
+    void error(const Property& property, std::string message) const;
+    const Object* object(const Child& child) const;
     Vector3d triple(std::string_view name, Vector3d default_value) const;
     double number(const Property& property, double default_value, Range range) const;
     ColorD color(const Property& property, ColorD default_value, Range range) const;
@@ -176,6 +185,8 @@ private:
     BuildContext& context_;
     mutable std::vector<bool> property_read_, child_read_;
     mutable std::vector<ParameterInfo> asked_;
+    mutable std::set<std::string, std::less<>> wrong_;  ///< parameters with an error
+    mutable bool made_up_ = false;
 };
 
 }  // namespace lucerna

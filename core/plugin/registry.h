@@ -18,6 +18,9 @@ namespace lucerna {
 /// Version of the core library: "0.1.0".
 const char* core_version();
 
+/// Libraries and compiler that it was built with: "Embree 3.13.5, OpenEXR 3.1.5, …".
+const char* core_built_with();
+
 /// "bsdf" → "bsdfs": the folder of a kind of plugin.
 std::string plugin_folder(std::string_view kind);
 

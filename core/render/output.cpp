@@ -55,6 +55,7 @@ ImageFile annotated_image(const RenderResult& result, const std::string& command
     ImageFile image = result.film.resolve();
     Metadata& metadata = image.metadata;
     metadata["lucerna:version"] = std::string(core_version());
+    metadata["lucerna:built_with"] = std::string(core_built_with());
     metadata["lucerna:command"] = command;
     metadata["lucerna:scene"] = scene;
     metadata["lucerna:scene_hash"] = fmt::format("{:016x}", figures.scene_hash);

@@ -35,8 +35,6 @@ Session::Session(const SessionSettings& settings)
     options.defines = settings.defines;
     options.overrides = settings.overrides;
     description_ = read_scene(settings.scene, options, diagnostics);
-    // What is missing after an error would only cause others.
-    diagnostics.throw_if_errors();
     load_seconds_ = seconds_since(start);
     scene_ = build_scene(description_, registry_, diagnostics, {.threads = workers_.count()});
     build_seconds_ = seconds_since(start) - load_seconds_;

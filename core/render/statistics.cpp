@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/statistics.h"
 
+#include "core/plugin/registry.h"
+
 #include <fmt/format.h>
 
 #include <sys/resource.h>
@@ -96,6 +98,7 @@ Json to_json(const RenderFigures& figures) {
     json.set("scene_hash", fmt::format("{:016x}", figures.scene_hash));
     json.set("light_sampler", figures.light_sampler);
     json.set("plugins", figures.plugins);
+    json.set("version", core_version()).set("built_with", core_built_with());
     return json;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/builder.h"
 
+#include "core/image/file_bytes.h"
 #include "core/interfaces/film.h"
+#include "core/math/sequences.h"
 #include "core/plugin/build_context.h"
 #include "core/scene/find_file.h"
 
@@ -9,6 +11,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
 namespace lucerna {
 
@@ -25,11 +28,15 @@ public:
         : description_(description),
           registry_(registry),
           diagnostics_(diagnostics),
-          origin_(origin) {}
+          origin_(origin),
+          hash_(description.hash) {}
 
     /// The object of an element, built at most once. Null if it is wrong; the reason is recorded.
     Object* build(const Element& element);
     std::vector<std::unique_ptr<Object>> take_objects() { return std::move(objects_); }
+
+    /// Of the description, and of the contents of the files that were asked for.
+    std::uint64_t hash() const { return hash_; }
 
     const Object* object(const Child& child) override { return built_.at(child.element); }
     Object* default_object(std::string_view kind, std::string_view type) override;
@@ -40,7 +47,8 @@ public:
 
 private:
     bool build_children(const Element& element);
-    Object* construct(const Element& element, const PluginInfo& info);
+    const PluginInfo* find_plugin(const Element& element);
+    Object* construct(const Element& element, const PluginInfo& info, bool complete);
 
     const Description& description_;
     Registry& registry_;
@@ -49,6 +57,8 @@ private:
     std::vector<std::unique_ptr<Object>> objects_;
     std::map<const Element*, Object*> built_;
     std::map<std::pair<std::string, std::string>, Object*> defaults_;
+    std::set<fs::path> hashed_files_;
+    std::uint64_t hash_;
     int nesting_ = 0;
     int shapes_around_ = 0;
 };
@@ -82,20 +92,24 @@ Object* ObjectBuilder::build(const Element& element) {
         --nesting_;
         return nullptr;
     }
-    const PluginInfo* info = nullptr;
+    const PluginInfo* const info = find_plugin(element);
+    const bool complete = build_children(element) && !element.incomplete;
+    // Also if it cannot be used: its own parameters may be wrong, too.
+    Object* const object = info ? construct(element, *info, complete) : nullptr;
+    --nesting_;
+    return built_[&element] = object;
+}
+
+const PluginInfo* ObjectBuilder::find_plugin(const Element& element) {
+    if (element.type.empty() && element.incomplete) return nullptr;
     try {
-        info = &registry_.find(element.kind, element.type);
+        return &registry_.find(element.kind, element.type);
     } catch (const PluginError& e) {
-        Diagnostics one;
-        one.error(element.where, e.what());
-        throw PluginError(one.all().front().text());
+        diagnostics_.plugin_error(element.where, e.what());
     } catch (const Error& e) {
         diagnostics_.error(element.where, e.what());
     }
-    const bool complete = build_children(element);
-    Object* object = info && complete ? construct(element, *info) : nullptr;
-    --nesting_;
-    return built_[&element] = object;
+    return nullptr;
 }
 
 bool ObjectBuilder::build_children(const Element& element) {
@@ -106,25 +120,28 @@ bool ObjectBuilder::build_children(const Element& element) {
     return complete;
 }
 
-Object* ObjectBuilder::construct(const Element& element, const PluginInfo& info) {
+Object* ObjectBuilder::construct(const Element& element, const PluginInfo& info, bool complete) {
     const int errors_before = diagnostics_.error_count();
+    const Params params(element, *this);
+    std::unique_ptr<Object> object;
+    std::string thrown;
     try {
-        const Params params(element, *this);
-        std::unique_ptr<Object> object(info.create(params));
-        params.report_unused(
-            [&] { return describe_parameters(registry_, element.kind, element.type); });
-        if (diagnostics_.error_count() > errors_before) return nullptr;
-        objects_.push_back(std::move(object));
-        return objects_.back().get();
+        object.reset(info.create(params));
     } catch (const std::bad_alloc&) {
-        diagnostics_.error(element.where, fmt::format("not enough memory for {} \"{}\"",
-                                                      element.kind, element.type));
-    } catch (const PluginError&) {
-        throw;
+        thrown = fmt::format("not enough memory for {} \"{}\"", element.kind, element.type);
+    } catch (const PluginError& e) {
+        diagnostics_.plugin_error(element.where, e.what());
     } catch (const std::exception& e) {
-        diagnostics_.error(element.where, e.what());
+        thrown = e.what();
     }
-    return nullptr;
+    if (!thrown.empty() && complete && !params.made_up()) {
+        diagnostics_.error(element.where, thrown);
+    }
+    params.report_unused(
+        !object, [&] { return describe_parameters(registry_, element.kind, element.type); });
+    if (!object || !complete || diagnostics_.error_count() > errors_before) return nullptr;
+    objects_.push_back(std::move(object));
+    return objects_.back().get();
 }
 
 Object* ObjectBuilder::default_object(std::string_view kind, std::string_view type) {
@@ -139,7 +156,9 @@ Object* ObjectBuilder::default_object(std::string_view kind, std::string_view ty
 }
 
 fs::path ObjectBuilder::find_file(const std::string& name) {
-    return lucerna::find_file(name, description_.search_paths);
+    const fs::path path = lucerna::find_file(name, description_.search_paths);
+    if (hashed_files_.insert(path).second) hash_ = hash_combine(hash_, hash_of_file(path));
+    return path;
 }
 
 Transform ObjectBuilder::placement(const Element& element) {
@@ -154,7 +173,6 @@ std::optional<SceneParts> build_parts(const Description& description, Registry& 
     ObjectBuilder builder(description, registry, diagnostics, origin);
     SceneParts parts;
     parts.origin = origin;
-    parts.hash = description.hash;
     const auto only_one = [&](bool already, const Child& child) {
         if (already) {
             diagnostics.error(child.where,
@@ -198,6 +216,7 @@ std::optional<SceneParts> build_parts(const Description& description, Registry& 
     or_default(parts.integrator);
     or_default(parts.sensor);
     parts.objects = builder.take_objects();
+    parts.hash = builder.hash();
     return parts;
 }
 
@@ -216,6 +235,7 @@ std::optional<Vector3d> far_center(const std::vector<Shape*>& shapes) {
 
 std::unique_ptr<Scene> build_scene(const Description& description, Registry& registry,
                                    Diagnostics& diagnostics, const BuildOptions& options) {
+    if (!description.buildable) diagnostics.throw_if_errors();
     std::optional<SceneParts> parts = build_parts(description, registry, diagnostics, Vector3d(0));
     diagnostics.throw_if_errors();
     if (const std::optional<Vector3d> center = far_center(parts->shapes)) {

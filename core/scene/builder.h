@@ -16,7 +16,8 @@ struct BuildOptions {
 };
 
 /// Builds all that the scene names and nothing else. Errors are collected in `diagnostics`; if
-/// there are any, SceneError is thrown when all have been found. A scene that is far from the
+/// there are any, those of reading among them, all are thrown when all have been found
+/// (Diagnostics::throw_if_errors). A scene that is far from the
 /// origin for its size is moved to it, in double precision.
 std::unique_ptr<Scene> build_scene(const Description& description, Registry& registry,
                                    Diagnostics& diagnostics, const BuildOptions& options = {});

@@ -9,7 +9,9 @@ namespace lucerna {
 
 const char* type_name(const PropertyValue& value) {
     constexpr std::array<const char*, std::variant_size_v<PropertyValue>> names = {
-        "boolean", "integer", "float", "string", "point", "rgb", "transform", "text"};
+        "boolean",   "integer", "float",
+        "string",    "point",   "rgb",
+        "transform", "text",    "nothing that can be read"};
     return names[value.index()];
 }
 
@@ -46,6 +48,7 @@ public:
     }
     void add(const std::string& text) { add(std::string_view(text)); }
     void add(const UntypedText& text) { add(text.text); }
+    void add(Unreadable) {}
     void add(const Triple& triple) { add(triple.value); }
     void add(const Rgb& rgb) { add(rgb.value); }
     void add(const Transform& transform) {

@@ -32,6 +32,9 @@ struct UntypedText {
     std::string text;
 };
 
+/// A value that could not be read, which has been reported: not absent, but of no use.
+struct Unreadable {};
+
 /// A point or a vector.
 struct Triple {
     Vector3d value;
@@ -42,8 +45,8 @@ struct Rgb {
     ColorD value;
 };
 
-using PropertyValue =
-    std::variant<bool, std::int64_t, double, std::string, Triple, Rgb, Transform, UntypedText>;
+using PropertyValue = std::variant<bool, std::int64_t, double, std::string, Triple, Rgb, Transform,
+                                   UntypedText, Unreadable>;
 
 /// "boolean", "integer", "float", "string", "point", "rgb", "transform" or "text".
 const char* type_name(const PropertyValue& value);
@@ -76,6 +79,9 @@ struct Element {
     /// The type was replaced by `--set`: parameters that the new type does not know are dropped
     /// with a warning, not refused.
     bool type_overridden = false;
+    /// Something in it could not be read, which has been reported: what seems to be missing may
+    /// have been given.
+    bool incomplete = false;
 };
 
 /// A whole scene. Addresses of sources and elements are stable, also when it is moved.
@@ -89,6 +95,8 @@ struct Description {
     Element* root = nullptr;
     /// Written for Mitsuba before 2.0 (camelCase): unknown parameters are warnings.
     bool legacy = false;
+    /// False if reading failed in such a way that building would only find errors that follow.
+    bool buildable = false;
     /// Folders in which relative file names are looked for, in order.
     std::vector<std::string> search_paths;
     /// Of everything that was read, after overrides: equal hashes mean equal scenes.
@@ -96,8 +104,8 @@ struct Description {
 };
 
 /// Of kinds, types, names, values and structure, in an order that does not depend on how properties
-/// are ordered. Ids and places do not count; of a referenced file only its name counts, not its
-/// contents. The same on every machine.
+/// are ordered. Ids and places do not count; of files that plugins will read only the names count
+/// here, the contents are added when they are found (Scene::hash). The same on every machine.
 std::uint64_t hash_of(const Description& description);
 
 }  // namespace lucerna

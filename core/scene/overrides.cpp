@@ -115,6 +115,7 @@ private:
     }
 
     void report_unknown(const Element& parent, std::string_view step, std::size_t offset) {
+        if (parent.incomplete) return;  // it may be in what could not be read
         std::vector<std::string> names;
         const auto add = [&](const std::string& name) {
             const bool known = std::find(names.begin(), names.end(), name) != names.end();

@@ -39,7 +39,7 @@ void References::add_reference(Element& owner, std::string name, const std::stri
     owner.children.push_back({std::move(name), nullptr, where});
 }
 
-void References::resolve(Element& root, int max_depth, int max_errors) {
+bool References::resolve(Element& root, int max_depth, int max_errors) {
     const auto full = [&] { return diagnostics_.error_count() >= max_errors; };
     for (const std::string& alias : aliases_) {
         if (!full()) resolve_alias(entries_.at(alias));
@@ -54,10 +54,13 @@ void References::resolve(Element& root, int max_depth, int max_errors) {
     }
     if (!complete) {
         for (const Reference& reference : references_) {
-            std::erase_if(reference.owner->children, [](const Child& c) { return !c.element; });
+            const auto without = [](const Child& c) { return !c.element; };
+            if (std::erase_if(reference.owner->children, without) > 0) {
+                reference.owner->incomplete = true;
+            }
         }
     }
-    if (!references_.empty()) check_cycles(root, static_cast<std::size_t>(max_depth));
+    return references_.empty() || check_cycles(root, static_cast<std::size_t>(max_depth));
 }
 
 void References::resolve_alias(Entry& entry) {
@@ -104,7 +107,7 @@ struct Visit {
 
 }  // namespace
 
-void References::check_cycles(Element& root, std::size_t max_depth) {
+bool References::check_cycles(Element& root, std::size_t max_depth) {
     constexpr std::size_t in_progress = 0;
     std::unordered_map<const Element*, std::size_t> heights{{&root, in_progress}};
     for (std::vector<Visit> path{{&root}}; !path.empty();) {
@@ -115,7 +118,8 @@ void References::check_cycles(Element& root, std::size_t max_depth) {
             if (height > max_depth) {
                 const std::string message =
                     fmt::format("elements refer to each other deeper than {}", max_depth);
-                return diagnostics_.error(visit.element->where, message);
+                diagnostics_.error(visit.element->where, message);
+                return false;
             }
             path.pop_back();
             if (!path.empty()) path.back().height = std::max(path.back().height, height);
@@ -133,10 +137,12 @@ void References::check_cycles(Element& root, std::size_t max_depth) {
             });
             std::string cycle;
             for (auto v = start; v != path.end(); ++v) cycle += describe(*v->element) + " -> ";
-            return diagnostics_.error(child.where, "this reference leads in a circle: " + cycle +
-                                                       describe(*child.element));
+            diagnostics_.error(child.where, "this reference leads in a circle: " + cycle +
+                                                describe(*child.element));
+            return false;
         }
     }
+    return true;
 }
 
 }  // namespace lucerna

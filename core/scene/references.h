@@ -25,8 +25,9 @@ public:
     void add_reference(Element& owner, std::string name, const std::string& id, Location where);
 
     /// Points all references to their elements. Reports those that lead nowhere, in a circle, or
-    /// deeper than `max_depth`; no child without an element is left.
-    void resolve(Element& root, int max_depth, int max_errors);
+    /// deeper than `max_depth`; no child without an element is left. False if there is a circle, or
+    /// too much depth, so that what refers to what cannot be followed.
+    bool resolve(Element& root, int max_depth, int max_errors);
 
 private:
     struct Entry {
@@ -42,7 +43,7 @@ private:
     bool add(const std::string& id, Entry entry);
     void resolve_alias(Entry& entry);
     void report_unknown(const std::string& id, Location where);
-    void check_cycles(Element& root, std::size_t max_depth);
+    bool check_cycles(Element& root, std::size_t max_depth);
 
     Diagnostics& diagnostics_;
     std::unordered_map<std::string, Entry> entries_;

@@ -59,11 +59,15 @@ public:
         root.where = {&main_, 0};
         description_.root = &root;
         read_source({.source = &main_}, root);
-        references_.resolve(root, limits_.max_depth, limits_.max_errors);
+        if (!references_.resolve(root, limits_.max_depth, limits_.max_errors)) {
+            description_.buildable = false;
+        }
         if (is_full()) {
+            description_.buildable = false;
             diagnostics_.error({}, "too many errors; what follows was not read");
-        } else if (diagnostics_.error_count() == errors_before) {
-            definitions_.report_unused();
+        } else if (description_.buildable) {
+            // What was not read may use them.
+            if (all_read_) definitions_.report_unused();
             apply_overrides(options.overrides, description_, diagnostics_);
         }
         if (diagnostics_.error_count() == errors_before) description_.hash = hash_of(description_);
@@ -83,17 +87,19 @@ private:
     void read_source(ReadContext context, Element& into) {
         bytes_ += context.source->text.size();
         if (bytes_ > limits_.max_bytes) {
+            incomplete(into);
             return diagnostics_.error({context.source, 0}, fmt::format("the scene has more than {} "
                                                                        "bytes",
                                                                        limits_.max_bytes));
         }
         const XmlDocument document(*context.source, limits_, elements_, diagnostics_);
         const XmlElement root = document.root();
-        if (!root) return;
+        if (!root) return incomplete(into);
         const Tag tag = read_tag(root, context, definitions_);
         if (context.include_depth == 0) into.where = tag.where();
         if (tag.name == "scene") {
-            if (!tag.complete || !read_version(tag, context)) return;
+            if (!tag.complete || !read_version(tag, context)) return incomplete(into);
+            if (context.include_depth == 0) description_.buildable = true;
             read_children(tag, context, into);
         } else if (context.include_depth > 0) {
             read_element(root, context, into);
@@ -124,6 +130,7 @@ private:
 
     void read_children(const Tag& parent, const ReadContext& context, Element& into) {
         if (++depth_ > limits_.max_depth) {
+            incomplete(into);
             diagnostics_.error(parent.where(), fmt::format("elements are nested deeper than {}",
                                                            limits_.max_depth));
         } else {
@@ -135,11 +142,23 @@ private:
         --depth_;
     }
 
+    /// Part of what belongs into the element was not read.
+    void incomplete(Element& element) {
+        element.incomplete = true;
+        all_read_ = false;
+    }
+
     void read_element(XmlElement element, const ReadContext& context, Element& into) {
         const Tag tag = read_tag(element, context, definitions_);
         if (is_object_kind(tag.name)) return read_object(tag, context, into);
-        if (!tag.complete) return;
         if (PropertyReader::is_property(tag.name)) return read_property(tag, context, into);
+        const int errors_before = diagnostics_.error_count();
+        if (tag.complete) read_structure(tag, context, into);
+        if (!tag.complete || diagnostics_.error_count() > errors_before) incomplete(into);
+    }
+
+    /// What is neither an object nor a property.
+    void read_structure(const Tag& tag, const ReadContext& context, Element& into) {
         struct Structure {
             std::string_view name;
             AcceptedAttributes attributes;
@@ -185,14 +204,16 @@ private:
 
     void read_object(const Tag& tag, const ReadContext& context, Element& into) {
         static const AcceptedAttributes accepted{{"type"}, {"id", "name"}};
-        check_attributes(tag, accepted, diagnostics_);
+        const bool valid = check_attributes(tag, accepted, diagnostics_);
         Element& element = description_.elements.emplace_back();
         element.kind = tag.name;
         element.type = tag.value("type");
         element.id = tag.value("id");
         element.where = tag.where();
+        element.incomplete = !valid || !tag.complete;
         if (tag.has("type") && element.type.empty() && tag.complete) {
             diagnostics_.error(tag.where("type"), "expected a type");
+            element.incomplete = true;
         }
         into.children.push_back({name_of(tag, context), &element, tag.where()});
         if (!element.id.empty()) references_.add_id(element.id, element, tag.where("id"));
@@ -238,9 +259,15 @@ private:
     }
 
     void read_property(const Tag& tag, const ReadContext& context, Element& into) {
-        std::optional<PropertyValue> value = properties_.read(tag, context);
-        if (!value) return;
+        std::optional<PropertyValue> value;
+        if (tag.complete) value = properties_.read(tag, context);
         std::string name = name_of(tag, context);
+        if (!value) {
+            into.incomplete = true;
+            all_read_ = all_read_ && !tag.element.first_child();
+            if (name.empty()) return;
+            value = Unreadable{};
+        }
         if (name.empty()) return diagnostics_.error(tag.where("name"), "expected a name");
         into.properties.push_back({std::move(name), std::move(*value), tag.where()});
     }
@@ -329,6 +356,7 @@ private:
     std::vector<const SourceFile*> open_files_{&main_};
     std::size_t bytes_ = 0, elements_ = 0;
     int depth_ = 0;
+    bool all_read_ = true;
 };
 
 }  // namespace

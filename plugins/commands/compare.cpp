@@ -266,17 +266,6 @@ private:
     ComparisonResult result_{};
 };
 
-/// The words of the command line, quoted where a shell would need it.
-std::string command_line(const std::vector<std::string>& words) {
-    std::string text = "lucerna compare";
-    for (const std::string& word : words) {
-        const bool plain =
-            !word.empty() && word.find_first_of(" \t\n'\"\\$*?;&|<>()") == std::string::npos;
-        text += plain ? " " + word : " '" + word + "'";
-    }
-    return text;
-}
-
 class CompareCommand final : public Command {
 public:
     explicit CompareCommand(const Params&) {}
@@ -295,7 +284,7 @@ public:
         }
         number_equal_names(variants);
         ignore_write_signals();
-        return Comparing(request, variants, command_line(words)).run();
+        return Comparing(request, variants, shell_text("compare", words)).run();
     }
 };
 

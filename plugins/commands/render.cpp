@@ -123,19 +123,6 @@ SessionSettings session_settings(const Request& request) {
     return settings;
 }
 
-/// The words of the command line, so that a shell would understand them again.
-std::string command_line(const std::vector<std::string>& words) {
-    std::string text = "lucerna render";
-    for (const std::string& word : words) {
-        const bool plain =
-            !word.empty() && word.find_first_of(" \t\n'\"\\$*?;&|<>()") == std::string::npos;
-        std::string quoted;
-        for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        text += plain ? " " + word : " '" + quoted + "'";
-    }
-    return text;
-}
-
 /// One run of the command.
 class Rendering {
 public:
@@ -282,7 +269,7 @@ public:
             fmt::print(stderr, "lucerna render: {}\n", e.what());
             return exit_code::scene;
         }
-        return Rendering(request, command_line(words), std::move(*view)).run();
+        return Rendering(request, shell_text("render", words), std::move(*view)).run();
     }
 };
 

@@ -75,7 +75,7 @@ TEST_F(RenderCommandTest, writes_both_pictures_and_tells_the_figures) {
     const ImageFile file = read_exr(folder / "scene.exr");
     for (const char* name :
          {"lucerna:command", "lucerna:seed", "lucerna:samples_per_pixel", "lucerna:render_seconds",
-          "lucerna:scene_hash", "lucerna:version", "lucerna:relative_mse",
+          "lucerna:scene_hash", "lucerna:version", "lucerna:built_with", "lucerna:relative_mse",
           "lucerna:relative_mse_low", "lucerna:relative_mse_high"}) {
         EXPECT_TRUE(file.metadata.contains(name)) << name;
     }
@@ -160,6 +160,22 @@ TEST_F(RenderCommandTest, N13_resuming_another_render_is_refused) {
     expect_error("another scene");
     write("state.exr", before.substr(0, before.size() / 2));
     render(with({"--resume"}), exit_code::file);
+}
+
+TEST_F(RenderCommandTest, N13_a_changed_mesh_is_another_scene) {
+    const auto triangle = [](const char* height) {
+        return "v 0 0 0\nv 1 0 0\nv 0 " + std::string(height) + " 0\nf 1 2 3\n";
+    };
+    std::string scene = small_scene;
+    const std::string mesh =
+        R"(<shape type="obj"><string name="filename" value="mesh.obj"/></shape>)";
+    write("scene.xml", scene.insert(scene.rfind("</scene>"), mesh));
+    write("mesh.obj", triangle("1"));
+    render({"-q", "--checkpoint", "state.exr"});
+    render({"-q", "--checkpoint", "state.exr", "--resume"});
+    write("mesh.obj", triangle("2"));
+    render({"-q", "--checkpoint", "state.exr", "--resume"}, exit_code::failure);
+    expect_error("another scene");
 }
 
 TEST_F(RenderCommandTest, resume_without_a_checkpoint_begins_and_says_so) {

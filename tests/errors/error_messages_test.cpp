@@ -73,7 +73,6 @@ std::string complaint(const std::filesystem::path& scene) {
     try {
         const Description description =
             read_scene(scene, options_of(read_text(scene)), diagnostics);
-        diagnostics.throw_if_errors();
         build_scene(description, registry, diagnostics);
     } catch (const Error& error) {
         text = std::string(error.what()) + "\n";

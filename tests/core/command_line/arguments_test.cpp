@@ -102,5 +102,12 @@ TEST_F(ArgumentsTest, wrong_values_are_usage_errors) {
     expect_usage_error({"s", "-D", "=1"}, "expected NAME=VALUE");
 }
 
+TEST(ShellText, a_shell_reads_the_same_words_again) {
+    EXPECT_EQ(shell_text("render", {"a.xml", "--set", "x.y=1"}),
+              "lucerna render a.xml --set x.y=1");
+    EXPECT_EQ(shell_text("render", {"it's", "", "a b", "$x"}),
+              "lucerna render 'it'\\''s' '' 'a b' '$x'");
+}
+
 }  // namespace
 }  // namespace lucerna

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <fstream>
+#include <set>
 
 #include "tests/core/image/damage.h"
 #include "tests/paths.h"
@@ -32,6 +33,31 @@ TEST(FileBytes, SaysWhatIsInPlaceOfTheFile) {
     // Would wait for ever if it were opened.
     ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
     EXPECT_NE(message(folder / "pipe").find("pipe or a device"), std::string::npos);
+}
+
+TEST(FileBytes, HashTellsContentsAndSizesApart) {
+    const TemporaryFolder folder;
+    const auto hash = [&](const std::string& content) {
+        std::ofstream(folder / "data", std::ios::binary) << content;
+        return hash_of_file(folder / "data");
+    };
+    EXPECT_EQ(hash("a mesh"), hash("a mesh"));
+    // Zeros at the end, blocks of which the last is not full, and every single byte count.
+    std::set<std::uint64_t> hashes;
+    std::size_t count = 0;
+    for (const std::size_t size : {0, 1, 2, 31, 32, 33, (1 << 18) - 1, 1 << 18, (1 << 18) + 1}) {
+        hashes.insert(hash(std::string(size, '\0')));
+        ++count;
+    }
+    for (std::size_t i = 0; i < 80; ++i) {
+        std::string content(80, 'x');
+        content[i] = 'y';
+        hashes.insert(hash(content));
+        ++count;
+    }
+    EXPECT_EQ(hashes.size(), count);
+    EXPECT_NE(file_error([&] { hash_of_file(folder / "missing"); }).find("no such file"),
+              std::string::npos);
 }
 
 }  // namespace
