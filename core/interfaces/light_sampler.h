@@ -30,6 +30,9 @@ public:
     /// Expected number of times that `light` is drawn at this point, over all draws: exactly what
     /// `sample` reports for it. A probability if there is one draw.
     virtual float pmf(const Receiver& at, std::uint32_t light) const = 0;
+
+    /// Memory of the tables that it keeps [bytes].
+    virtual std::size_t bytes() const { return 0; }
 };
 
 }  // namespace lucerna

@@ -26,8 +26,13 @@ struct TriangleGeometry {
 };
 
 /// corner + u edge_u + v edge_v for u, v in [0, 1].
-struct ParallelogramGeometry {
+struct Parallelogram {
     Vector3 corner, edge_u, edge_v;
+};
+
+/// One parallelogram to a primitive. The shape keeps the memory.
+struct ParallelogramGeometry {
+    std::span<const Parallelogram> list;
 };
 
 /// One primitive that answers rays by itself through `Shape::intersect`.

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <map>
+#include <numeric>
 #include <vector>
 
 namespace lucerna {
@@ -98,7 +99,7 @@ struct Accelerator::Implementation {
     RTCScene make_scene(std::span<const Shape* const> shapes, std::vector<GeometryEntry>& list);
     RTCGeometry make_geometry(const Geometry& geometry, GeometryEntry& entry);
     RTCGeometry make_triangles(const TriangleGeometry& mesh);
-    RTCGeometry make_parallelogram(const ParallelogramGeometry& quad);
+    RTCGeometry make_parallelograms(std::span<const Parallelogram> list);
     RTCGeometry make_instance(const InstanceGeometry& instance, GeometryEntry& entry);
 };
 
@@ -112,17 +113,20 @@ RTCGeometry Accelerator::Implementation::make_triangles(const TriangleGeometry& 
     return geometry;
 }
 
-RTCGeometry Accelerator::Implementation::make_parallelogram(const ParallelogramGeometry& quad) {
+RTCGeometry Accelerator::Implementation::make_parallelograms(std::span<const Parallelogram> list) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
     auto* vertices = static_cast<Vector3*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vector3), 4));
-    vertices[0] = quad.corner;
-    vertices[1] = quad.corner + quad.edge_u;
-    vertices[2] = quad.corner + quad.edge_u + quad.edge_v;
-    vertices[3] = quad.corner + quad.edge_v;
-    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(std::uint32_t), 1));
-    for (std::uint32_t i = 0; i < 4; ++i) indices[i] = i;
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vector3), 4 * list.size()));
+    for (const Parallelogram& p : list) {
+        *vertices++ = p.corner;
+        *vertices++ = p.corner + p.edge_u;
+        *vertices++ = p.corner + p.edge_u + p.edge_v;
+        *vertices++ = p.corner + p.edge_v;
+    }
+    auto* indices = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
+                                4 * sizeof(std::uint32_t), list.size()));
+    std::iota(indices, indices + 4 * list.size(), 0u);
     return geometry;
 }
 
@@ -156,7 +160,7 @@ RTCGeometry Accelerator::Implementation::make_geometry(const Geometry& shape,
     }
     if (const auto* quad = std::get_if<ParallelogramGeometry>(&shape)) {
         entry.flat = true;
-        return make_parallelogram(*quad);
+        return make_parallelograms(quad->list);
     }
     if (const auto* instance = std::get_if<InstanceGeometry>(&shape)) {
         return make_instance(*instance, entry);

@@ -24,6 +24,7 @@ AllThreads& all_threads() {
 void add(RayStatistics& sum, const RayStatistics& part) {
     sum.intersections += part.intersections;
     sum.occlusions += part.occlusions;
+    sum.blocked += part.blocked;
     sum.dropped += part.dropped;
     sum.rejected += part.rejected;
 }

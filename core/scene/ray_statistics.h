@@ -9,6 +9,7 @@ namespace lucerna {
 struct RayStatistics {
     std::uint64_t intersections = 0;  ///< rays for the nearest hit
     std::uint64_t occlusions = 0;     ///< rays that only ask whether something is in the way
+    std::uint64_t blocked = 0;        ///< those of them for which there was
     std::uint64_t dropped = 0;        ///< rays that were not finite, and were not traced
     std::uint64_t rejected = 0;       ///< hits outside their own primitive, passed over
 

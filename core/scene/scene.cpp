@@ -139,8 +139,10 @@ bool Scene::occluded(const Ray& ray) const {
         ++statistics.dropped;
         return true;
     }
+    const bool blocked = accelerator_->occluded(ray, {});
     ++statistics.occlusions;
-    return accelerator_->occluded(ray, {});
+    statistics.blocked += blocked;
+    return blocked;
 }
 
 bool Scene::occluded(const Receiver& from, const LightSample& to) const {
@@ -157,8 +159,10 @@ bool Scene::occluded(const Receiver& from, const LightSample& to) const {
         ++statistics.dropped;
         return true;
     }
+    const bool blocked = accelerator_->occluded(ray, to.target);
     ++statistics.occlusions;
-    return accelerator_->occluded(ray, to.target);
+    statistics.blocked += blocked;
+    return blocked;
 }
 
 Color Scene::environment(Vector3 d) const {

@@ -30,8 +30,8 @@ struct Census {
         } else if (const auto* group = std::get_if<GroupGeometry>(&geometry)) {
             --shapes;
             for (const Shape* member : group->shapes) count(*member);
-        } else if (std::holds_alternative<ParallelogramGeometry>(geometry)) {
-            ++parallelograms;
+        } else if (const auto* quads = std::get_if<ParallelogramGeometry>(&geometry)) {
+            parallelograms += quads->list.size();
         } else if (std::holds_alternative<InstanceGeometry>(geometry)) {
             ++instances;
         } else {

@@ -59,7 +59,10 @@ std::string file(const std::string& name) {
 /// What a plugin cannot be made without. Empty text: it has no surface, or its files are tested
 /// elsewhere.
 const std::map<std::string, std::string>& bodies() {
-    static const std::map<std::string, std::string> all = {{"obj", file("octahedron.obj")},
+    static const std::map<std::string, std::string> all = {{"city",
+                                                            "<string name='part' value='walls'/>"
+                                                            "<integer name='size' value='1'/>"},
+                                                           {"obj", file("octahedron.obj")},
                                                            {"ply", file("octahedron.ply")},
                                                            {"serialized", ""},
                                                            {"shapegroup", ""},
@@ -278,6 +281,7 @@ TEST_F(Shapes, B8_B11_points_are_on_the_surface_within_their_error) {
 
 TEST_F(Shapes, I2_normals_of_closed_shapes_point_outside_also_when_mirrored) {
     for (const Case& c : cases) {
+        if (c.xml.find("city") != std::string::npos) continue;
         if (c.xml.find("rectangle") != std::string::npos) continue;
         if (c.xml.find("disk") != std::string::npos) continue;
         const float side = c.xml.find("flip_normals") == std::string::npos ? 1.0f : -1.0f;
