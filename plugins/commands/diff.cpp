@@ -32,6 +32,21 @@ Image read_linear(const std::string& path) {
     return image;
 }
 
+/// The part W × H of a picture that begins at (X, Y), for crop = {X, Y, W, H}; a picture of this
+/// size is taken for that part.
+Image part_of(const Image& image, const std::vector<int>& crop, const std::string& path) {
+    const int x = crop[0], y = crop[1], width = crop[2], height = crop[3];
+    if (image.width == width && image.height == height) return image;
+    if (width == 0 || height == 0 || x + width > image.width || y + height > image.height) {
+        throw Error(fmt::format("--crop {},{},{},{} is not a part of {}, which has {} x {} pixels",
+                                x, y, width, height, path, image.width, image.height));
+    }
+    Image part(width, height, image.channels);
+    const auto row = static_cast<std::ptrdiff_t>(image.channel_count()) * width;
+    for (int j = 0; j < height; ++j) std::copy_n(image.at(x, y + j), row, part.at(0, j));
+    return part;
+}
+
 Json to_json(const Metrics& metrics) {
     Json json = Json::object();
     json.set("relative_mse", metrics.relmse).set("mse", metrics.mse).set("rmse", metrics.rmse);
@@ -86,11 +101,14 @@ public:
 
     int run(const std::vector<std::string>& words) const override {
         std::string image_path, reference_path, error_path;
+        std::vector<int> crop;
         std::optional<double> max_relmse;
         bool json = false;
         Arguments arguments("diff", "Compares a picture with a reference.");
         arguments.positional("IMAGE", image_path, "an EXR, Radiance, PNG or JPEG file");
         arguments.positional("REFERENCE", reference_path, "the same size, and less noise");
+        arguments.option("--crop", "X,Y,W,H", crop, ',', 4, {.min = 0, .max = 65536},
+                         "compares this part only; a picture of its size is taken for the part");
         arguments.option("--error-image", "FILE", error_path,
                          "a picture of the relative squared error: an EXR, or a PNG in false "
                          "colours");
@@ -102,8 +120,12 @@ public:
         ignore_write_signals();
         if (!error_path.empty()) check_writable(error_path);
 
-        const Image image = read_linear(image_path);
-        const Image reference = read_linear(reference_path);
+        Image image = read_linear(image_path);
+        Image reference = read_linear(reference_path);
+        if (!crop.empty()) {
+            image = part_of(image, crop, image_path);
+            reference = part_of(reference, crop, reference_path);
+        }
         const Comparison comparison = compare_images(image, reference);
         if (json) {
             fmt::print("{}", to_json(comparison).text());

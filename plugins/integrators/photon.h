@@ -17,8 +17,10 @@ inline std::uint32_t encode_direction(Vector3 w, int bits) {
         p = Vector2(std::copysign(1 - std::abs(p.y), p.x), std::copysign(1 - std::abs(p.x), p.y));
     }
     const std::uint32_t mask = (std::uint32_t{1} << bits) - 1;
-    const auto integer = [&](float x) {
-        return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(x * limit))) & mask;
+    const auto integer = [&](float x) {  // the nearest; std::lround is a slow call
+        const float scaled = x * limit;
+        const auto nearest = static_cast<std::int32_t>(scaled + std::copysign(0.5f, scaled));
+        return static_cast<std::uint32_t>(nearest) & mask;
     };
     return integer(p.x) | (integer(p.y) << bits);
 }

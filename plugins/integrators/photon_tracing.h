@@ -6,11 +6,11 @@
 #pragma once
 
 #include "core/interfaces/bsdf.h"
-#include "core/math/sequences.h"
 #include "core/plugin/error.h"
 #include "core/render/render_job.h"
 #include "core/scene/scene.h"
 #include "plugins/integrators/photon.h"
+#include "plugins/integrators/photon_numbers.h"
 
 #include <fmt/format.h>
 
@@ -101,9 +101,11 @@ public:
         const double place = std::min((static_cast<double>(j) + offset) / n, 1 - 0x1p-53);
         const auto next = std::upper_bound(cdf_.begin(), cdf_.end() - 1, place);
         const auto light = static_cast<std::size_t>(next - cdf_.begin()) - 1;
-        const double first = std::max(std::ceil(cdf_[light] * n - offset), 0.0);
+        const double begin = std::max(cdf_[light] * n - offset, 0.0);
+        const auto whole = static_cast<std::uint64_t>(begin);
+        const std::uint64_t first = whole + (static_cast<double>(whole) < begin ? 1 : 0);
         return {.light = static_cast<std::uint32_t>(light),
-                .index = j - std::min(j, static_cast<std::uint64_t>(first)),
+                .index = j - std::min(j, first),
                 .pmf = cdf_[light + 1] - cdf_[light]};
     }
 
@@ -128,16 +130,7 @@ struct PhotonHit {
     Color power;  ///< [W], to be divided by PhotonPass::count
     int depth;    ///< edges of its path
     PhotonKind kind;
-};
-
-/// Owen-scrambled Sobol' points, padded: number `index` of each pair of dimensions.
-class PhotonNumbers {
-public:
-    PhotonNumbers(std::uint64_t key, std::uint64_t index) : key_(key), index_(index) {}
-    Vector2 next_2d() { return sobol_owen_2d(index_, key_ + mix64(dimension_++)); }
-
-private:
-    std::uint64_t key_, index_, dimension_ = 0;
+    bool stored;  ///< the surface is one that keeps photons
 };
 
 class PhotonTracer {
@@ -163,8 +156,8 @@ private:
     static float most_survival(const PhotonPass& pass, int depth) {
         return depth < pass.rr_depth ? infinity : depth < 64 ? 1.0f : 0.95f;
     }
-    bool scatter(const Interaction& at, Vector2 u_choice, Vector2 u_direction, float most_survival,
-                 Flight& flight) const;
+    static bool scatter(const Interaction& at, bool stored, float most_survival,
+                        const PhotonNumbers::Scattering& u, Flight& flight);
 
     const Scene& scene_;
     PhotonEmission emission_;
@@ -176,14 +169,16 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& 
     const auto choice = emission_.choose(j, pass.count, uint64_to_double(mix64(pass.key)));
     const Light& light = scene_.lights()[choice.light];
     PhotonNumbers numbers(hash_combine(pass.key, choice.light), choice.index);
-    const Vector2 u_position = numbers.next_2d();
-    const Vector2 u_start = numbers.next_2d();
-    const auto emitted = light.emitter->sample_emission(light, u_position, u_start);
+    const auto emitted =
+        light.emitter->sample_emission(light, numbers.position(), numbers.direction());
     if (!emitted) return;
     Flight flight{.ray = emitted->ray, .power = emitted->power / static_cast<float>(choice.pmf)};
     if (!is_finite(flight.power)) {
-        throw Error(fmt::format("light number {} of the scene emits photons of infinite power",
-                                choice.light));
+        const Vector3 p = emitted->ray.o;
+        throw Error(
+            fmt::format("light number {} of the scene, at ({:g}, {:g}, {:g}), emits "
+                        "photons of a power that is not finite",
+                        choice.light, p.x, p.y, p.z));
     }
     if (is_black(flight.power)) return;
     energy.emitted += static_cast<double>(luminance(flight.power));
@@ -195,17 +190,17 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& 
             energy.escaped += before;
             return;
         }
+        const bool stored = stores_photons(*at->shape->bsdf());
         if (includes(pass.kinds, flight.kind)) {
             visit(PhotonHit{.at = *at,
                             .w = -flight.ray.d,
                             .power = flight.power,
                             .depth = depth,
-                            .kind = flight.kind});
+                            .kind = flight.kind,
+                            .stored = stored});
         }
-        const Vector2 u_choice = numbers.next_2d();
-        const Vector2 u_direction = numbers.next_2d();
         const bool goes_on =
-            scatter(*at, u_choice, u_direction, most_survival(pass, depth), flight);
+            scatter(*at, stored, most_survival(pass, depth), numbers.scattering(), flight);
         const double after = goes_on ? static_cast<double>(luminance(flight.power)) : 0.0;
         energy.absorbed += before - after;
         // From the first diffuse surface on all is indirect: a pass for caustics ends there.
@@ -221,12 +216,11 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& 
 
 /// Lets the surface turn the flight, or ends it: false. Flux is scattered by the adjoint BSDF,
 /// which shading normals make differ from f by the ratio of the cosines (Veach 1997, 5.3.2).
-inline bool PhotonTracer::scatter(const Interaction& at, Vector2 u_choice, Vector2 u_direction,
-                                  float most_survival, Flight& flight) const {
-    const BSDF& bsdf = *at.shape->bsdf();
+inline bool PhotonTracer::scatter(const Interaction& at, bool stored, float most_survival,
+                                  const PhotonNumbers::Scattering& u, Flight& flight) {
     const Vector3 wo = -flight.ray.d;
-    const std::optional<BSDFSample> next =
-        bsdf.sample(at, at.to_local(wo), u_choice.x, u_direction, TransportMode::importance);
+    const std::optional<BSDFSample> next = at.shape->bsdf()->sample(
+        at, at.to_local(wo), u.lobe, u.direction, TransportMode::importance);
     if (!next || is_black(next->weight)) return false;
     Color power = flight.power * next->weight;
     Vector3 wi = flight.ray.d;
@@ -247,10 +241,10 @@ inline bool PhotonTracer::scatter(const Interaction& at, Vector2 u_choice, Vecto
     if (most_survival <= 1) {
         const float survival =
             std::min(max_component(power) / max_component(flight.power), most_survival);
-        if (!(u_choice.y < survival)) return false;
-        power /= survival;
+        if (!(u.survival < survival)) return false;
+        power *= 1 / survival;
     }
-    const bool diffuse = !next->specular() && stores_photons(bsdf);
+    const bool diffuse = stored && !next->specular();
     if (flight.kind != PhotonKind::indirect) {
         flight.kind = diffuse ? PhotonKind::indirect : PhotonKind::caustic;
     }
@@ -264,40 +258,56 @@ struct StoredPhotons {
     std::vector<Photon> photons;
     PhotonEnergy energy;
     double emitted = 0;  ///< number of photons that left the lights
+
+    void append(const StoredPhotons& other) {
+        photons.insert(photons.end(), other.photons.begin(), other.photons.end());
+        energy += other.energy;
+    }
 };
 
+/// Traces photons begin … end − 1 of a pass and stores those that come to matte surfaces.
+inline void store_photons(const PhotonTracer& tracer, const PhotonPass& pass, std::uint64_t begin,
+                          std::uint64_t end, StoredPhotons& result) {
+    for (std::uint64_t j = begin; j < end; ++j) {
+        tracer.trace(pass, j, result.energy, [&](const PhotonHit& hit) {
+            if (!hit.stored) return;
+            const float side = glm::dot(hit.w, hit.at.n) < 0 ? -1.0f : 1.0f;
+            result.photons.emplace_back(hit.at.p, hit.power, hit.w, side * hit.at.n, hit.depth);
+            result.energy.stored += static_cast<double>(luminance(hit.power));
+        });
+    }
+}
+
 /// Traces a pass in parallel and appends its photons to `result`. Ends early if `interrupted`.
+///
+/// Each task fills a chunk of its own. While a batch of chunks is traced, the batch before is
+/// appended, so that no thread waits for it; batches bound what is held twice, and their memory
+/// serves again.
 inline void store_photons(const PhotonTracer& tracer, const PhotonPass& pass,
                           const Workers& workers, const std::function<bool()>& interrupted,
                           StoredPhotons& result) {
-    constexpr std::uint64_t chunk_size = 2048;
-    constexpr std::uint64_t batch_size = 256;  // chunks: bounds what is held twice
-    const std::uint64_t chunks = (pass.count + chunk_size - 1) / chunk_size;
-    struct Chunk {
-        std::vector<Photon> photons;
-        PhotonEnergy energy;
-    };
-    for (std::uint64_t first = 0; first < chunks; first += batch_size) {
-        std::vector<Chunk> batch(std::min(batch_size, chunks - first));
-        workers.run(std::ssize(batch), [&](std::int64_t c) {
-            if (interrupted()) return;
-            Chunk& chunk = batch[static_cast<std::size_t>(c)];
-            const std::uint64_t begin = (first + static_cast<std::uint64_t>(c)) * chunk_size;
-            for (std::uint64_t j = begin; j < std::min(begin + chunk_size, pass.count); ++j) {
-                tracer.trace(pass, j, chunk.energy, [&](const PhotonHit& hit) {
-                    if (!stores_photons(*hit.at.shape->bsdf())) return;
-                    const float side = glm::dot(hit.w, hit.at.n) < 0 ? -1.0f : 1.0f;
-                    chunk.photons.emplace_back(hit.at.p, hit.power, hit.w, side * hit.at.n,
-                                               hit.depth);
-                    chunk.energy.stored += static_cast<double>(luminance(hit.power));
-                });
-            }
-        });
-        for (const Chunk& chunk : batch) {
-            result.photons.insert(result.photons.end(), chunk.photons.begin(), chunk.photons.end());
-            result.energy += chunk.energy;
+    constexpr std::uint64_t chunk_size = 256, batch_size = 128;
+    std::vector<StoredPhotons> batch(batch_size), before(batch_size);
+    const auto append = [&] {
+        for (StoredPhotons& chunk : before) {
+            result.append(chunk);
+            chunk.photons.clear();
+            chunk.energy = {};
         }
+    };
+    for (std::uint64_t first = 0; first < pass.count; first += batch_size * chunk_size) {
+        const std::uint64_t end = std::min(first + batch_size * chunk_size, pass.count);
+        const std::uint64_t chunks = (end - first + chunk_size - 1) / chunk_size;
+        workers.run(static_cast<std::int64_t>(1 + chunks), [&](std::int64_t task) {
+            if (task == 0) return append();
+            if (interrupted()) return;
+            const auto c = static_cast<std::uint64_t>(task - 1);
+            const std::uint64_t begin = first + c * chunk_size;
+            store_photons(tracer, pass, begin, std::min(begin + chunk_size, end), batch[c]);
+        });
+        std::swap(batch, before);
     }
+    append();
     result.emitted += static_cast<double>(pass.count);
 }
 

@@ -84,6 +84,16 @@ TEST_F(ToolsTest, diff_measures) {
     expect_words(run({"diff", "b.exr", "a.exr", "--json"}), {"\"relative_mse\": 0.020627"});
 }
 
+/// The pixel that is off is the first of 4 x 3.
+TEST_F(ToolsTest, diff_compares_parts) {
+    write_picture("a.exr", 1, 1);
+    write_picture("b.exr", 1, 1.5f);
+    expect_words(run({"diff", "b.exr", "a.exr", "--crop", "1,0,3,3"}), {"relMSE 0\n"});
+    expect_words(run({"diff", "b.exr", "a.exr", "--crop", "0,0,2,1"}), {"relMSE 0.123762"});
+    run({"diff", "b.exr", "a.exr", "--crop", "2,0,3,1"}, exit_code::failure);
+    expect_words(errors, {"--crop 2,0,3,1 is not a part of b.exr, which has 4 x 3 pixels"});
+}
+
 TEST_F(ToolsTest, diff_paints_errors) {
     write_picture("a.exr", 1, 1);
     write_picture("b.exr", 1, 1.5f);

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Photon records, both structures against brute force, kernels, estimates, and the bookkeeping of
-/// energy: what the photon integrators are made of.
+/// Photon records, both structures against brute force, kernels, and estimates of radiance.
 #include "core/math/quadrature.h"
 #include "core/math/warp.h"
 #include "plugins/integrators/photon_estimate.h"
-#include "plugins/integrators/photon_tracing.h"
 #include "tests/plugins/workshop.h"
 #include "tests/statistics.h"
 
@@ -77,9 +75,23 @@ TEST(Photon, AxesAreExact) {
     }
 }
 
+/// Every coordinate is shared by many: they lie on the planes that split the tree, on the faces of
+/// cells, and on edges and corners of a cube.
+std::vector<Photon> lattice() {
+    std::vector<Photon> photons;
+    for (int i = 0; i < 8 * 8 * 8; ++i) {
+        const Vector3 p(static_cast<float>(i % 8), static_cast<float>(i / 8 % 8),
+                        static_cast<float>(i / 64));
+        photons.push_back(photon_at(0.125f * p));
+    }
+    return photons;
+}
+
 TEST(PhotonMap, FindsWhatBruteForceFinds) {
-    for (const std::size_t count : {0u, 1u, 7u, 8u, 9u, 100u, 5000u}) {
-        const std::vector<Photon> photons = cloud(count);
+    std::vector<std::vector<Photon>> sets = {lattice()};
+    for (const std::size_t count : {0u, 1u, 7u, 8u, 9u, 100u, 5000u}) sets.push_back(cloud(count));
+    for (const std::vector<Photon>& photons : sets) {
+        const std::size_t count = photons.size();
         for (const auto structure : {PhotonStructure::kdtree, PhotonStructure::grid}) {
             for (const float radius : {0.01f, 0.1f, 3.0f}) {
                 const PhotonMap map(photons, 1, structure, radius, workers);
@@ -236,10 +248,15 @@ TEST_F(PhotonEstimate, F7_EdgesAndCornersAreDarker) {
                                      (static_cast<float>(i / side) + 0.5f) / side, 0}));
     }
     const PhotonMap map(photons, side * side, PhotonStructure::kdtree, 0.1f, workers);
-    const double factor = 2 * std::numbers::pi;
-    EXPECT_NEAR(seen(map, {.filter = PhotonFilter::none}, {0.5f, 0.5f, 0}) * factor, 1, 0.01);
-    EXPECT_NEAR(seen(map, {.filter = PhotonFilter::none}, {0, 0.5f, 0}) * factor, 0.5, 0.01);
-    EXPECT_NEAR(seen(map, {.filter = PhotonFilter::none}, {0, 0, 0}) * factor, 0.25, 0.01);
+    // At a distance of t radii from an edge a segment of the disk is empty.
+    for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+        const double missing = (std::acos(t) - t * std::sqrt(1 - t * t)) / std::numbers::pi;
+        const Vector3 p(static_cast<float>(0.1 * t), 0.5f, 0);
+        EXPECT_NEAR(seen(map, {.filter = PhotonFilter::none}, p) * 2 * std::numbers::pi,
+                    1 - missing, 0.01);
+    }
+    EXPECT_NEAR(seen(map, {.filter = PhotonFilter::none}, {0, 0, 0}) * 2 * std::numbers::pi, 0.25,
+                0.01);
 }
 
 TEST_F(PhotonEstimate, F8_F9_F10_NothingLeaksThroughWallsOrAroundCorners) {
@@ -282,161 +299,6 @@ TEST_F(PhotonEstimate, FiniteInExtremes) {
             EXPECT_TRUE(std::isfinite(seen(coincident, {.count = count}, {0, 0, 0})));
         }
     }
-}
-
-/// Photons in small scenes.
-class PhotonTracing : public testing::Test {
-protected:
-    static constexpr const char* camera = "<integrator type='path'/><sensor type='perspective'/>";
-
-    StoredPhotons trace(const std::string& xml, std::uint64_t count, PhotonKinds kinds = 7,
-                        int max_depth = 100) {
-        const Scene& scene = workshop_.make_scene(camera + xml);
-        const PhotonTracer tracer(scene);
-        StoredPhotons result;
-        if (tracer.dark()) return result;
-        const PhotonPass pass{.key = 5, .count = count, .max_depth = max_depth, .kinds = kinds};
-        store_photons(
-            tracer, pass, workers, [] { return false; }, result);
-        return result;
-    }
-
-    static std::string room(double albedo, const std::string& more = "") {
-        return "<shape type='cube'><boolean name='flip_normals' value='true'/><bsdf "
-               "type='diffuse'>" +
-               fmt::format("<float name='reflectance' value='{}'/></bsdf></shape>", albedo) + more;
-    }
-    static constexpr const char* lamp =
-        "<emitter type='point'><float name='intensity' value='1'/></emitter>";
-
-    Workshop workshop_;
-};
-
-TEST_F(PhotonTracing, F1_F15_EnergyIsKept) {
-    const std::string glass =
-        "<shape type='sphere'><transform name='to_world'><scale value='0.3'/><translate x='0.4'/>"
-        "</transform><bsdf type='dielectric'/></shape>";
-    const std::string open =
-        "<shape type='rectangle'><transform name='to_world'><translate "
-        "z='-1'/></transform></shape>";
-    for (const std::string& xml : {room(0.5, glass), open + glass, room(0.9), room(0)}) {
-        for (const int depth : {1, 2, 5, 100}) {
-            const PhotonEnergy e = trace(xml + lamp, 20000, 7, depth).energy;
-            EXPECT_NEAR(e.emitted, 4 * std::numbers::pi * 20000, 1e-5 * e.emitted);
-            EXPECT_NEAR(e.escaped + e.absorbed + e.cut, e.emitted, 1e-6 * e.emitted);
-        }
-    }
-    const PhotonEnergy black = trace(room(0) + lamp, 20000).energy;
-    EXPECT_NEAR(black.stored, black.absorbed, 1e-9 * black.emitted);
-    EXPECT_NEAR(black.stored, black.emitted, 1e-9 * black.emitted);
-    // Each reflection keeps half: 1 + ½ + ¼ …
-    const PhotonEnergy grey = trace(room(0.5) + lamp, 100000).energy;
-    EXPECT_NEAR(grey.stored / grey.emitted, 2, 0.02);
-    EXPECT_NEAR(grey.absorbed / grey.emitted, 1, 0.001);
-}
-
-TEST_F(PhotonTracing, RouletteKeepsThePowerOfPhotonsAlike) {
-    for (const Photon& photon : trace(room(0.5) + lamp, 10000).photons) {
-        EXPECT_NEAR(photon.power().x, 4 * pi, 1e-3f);
-    }
-}
-
-TEST_F(PhotonTracing, F3_AllPhotonsEscape) {
-    const StoredPhotons lost = trace(
-        "<shape type='rectangle'><transform name='to_world'><translate "
-        "z='-1e6'/></transform></shape><emitter type='directional'>"
-        "<vector name='direction' value='0,0,1'/></emitter>",
-        1000);
-    EXPECT_EQ(lost.energy.emitted, lost.energy.escaped + lost.energy.absorbed);
-    EXPECT_TRUE(trace(lamp, 1000).photons.empty());
-}
-
-TEST_F(PhotonTracing, NoLightsNoPhotons) {
-    EXPECT_TRUE(trace(room(0.5), 1000).photons.empty());
-    EXPECT_TRUE(trace(room(0.5,
-                           "<emitter type='point'><float name='intensity' value='0'/>"
-                           "</emitter>"),
-                      1000)
-                    .photons.empty());
-}
-
-TEST_F(PhotonTracing, LightsEmitInProportionToTheirPower) {
-    const Scene& scene =
-        workshop_.make_scene(std::string(camera) +
-                             "<emitter type='point'><float name='intensity' value='1'/></emitter>"
-                             "<emitter type='point'><float name='intensity' value='0'/></emitter>"
-                             "<emitter type='point'><float name='intensity' value='3'/></emitter>");
-    const PhotonEmission emission(scene);
-    for (const std::uint64_t n : {1u, 10u, 1001u}) {
-        for (const double offset : {0.0, 0.3, 0.999}) {
-            std::vector<std::set<std::uint64_t>> indices(3);
-            for (std::uint64_t j = 0; j < n; ++j) {
-                const auto choice = emission.choose(j, n, offset);
-                EXPECT_TRUE(indices[choice.light].insert(choice.index).second);
-                EXPECT_NEAR(choice.pmf, choice.light == 0 ? 0.25 : 0.75, 1e-6);
-            }
-            EXPECT_TRUE(indices[1].empty());
-            const double exact = 0.25 * static_cast<double>(n);
-            EXPECT_LE(std::abs(static_cast<double>(indices[0].size()) - exact), 1);
-            for (const auto& own : {indices[0], indices[2]}) {
-                if (!own.empty()) {
-                    EXPECT_EQ(*own.rbegin(), own.size() - 1);
-                }
-            }
-        }
-    }
-}
-
-TEST_F(PhotonTracing, KindsAreWhatTheySay) {
-    const std::string mirror =
-        "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><translate "
-        "z='-0.9'/></transform><bsdf type='conductor'/></shape>";
-    const std::string scene = room(0.5, mirror) + lamp;
-    const auto count = [&](PhotonKind kind) {
-        return trace(scene, 20000, static_cast<unsigned>(kind)).photons.size();
-    };
-    const std::size_t all = trace(scene, 20000).photons.size();
-    EXPECT_EQ(count(PhotonKind::direct) + count(PhotonKind::caustic) + count(PhotonKind::indirect),
-              all);
-    EXPECT_GT(count(PhotonKind::caustic), 100u);
-    for (const Photon& photon : trace(scene, 1000, 1).photons) EXPECT_EQ(photon.depth(), 1);
-    for (const Photon& photon : trace(scene, 1000, 2).photons) {
-        EXPECT_GT(photon.depth(), 1);
-        EXPECT_GT(photon.p().z, -0.95f) << "the mirror shines upwards";
-    }
-    EXPECT_TRUE(has_caustics(workshop_.make_scene(camera + scene).shapes()));
-    EXPECT_FALSE(has_caustics(workshop_.make_scene(camera + room(0.5)).shapes()));
-}
-
-TEST_F(PhotonTracing, SamePhotonsForAnyNumberOfThreads) {
-    const auto places = [&](int threads) {
-        const Workers some(threads);
-        const PhotonTracer tracer(workshop_.make_scene(camera + room(0.7) + lamp));
-        StoredPhotons result;
-        store_photons(
-            tracer, {.key = 1, .count = 10000, .max_depth = 10, .kinds = 7}, some,
-            [] { return false; }, result);
-        std::vector<float> x;
-        for (const Photon& photon : result.photons) x.push_back(photon.p().x + photon.power().y);
-        return x;
-    };
-    const std::vector<float> one = places(1);
-    EXPECT_EQ(one, places(2));
-    EXPECT_EQ(one, places(7));
-}
-
-TEST(PhotonParameters, WrongOnesAreRefused) {
-    const auto message = [](const std::string& parameter, const std::string& type = "photonmap") {
-        return refusal("<integrator type='" + type + "'>" + parameter + "</integrator>");
-    };
-    EXPECT_EQ(message(""), "");
-    EXPECT_NE(message(whole("global_photons", 0)), "");
-    EXPECT_NE(message(whole("caustic_photons", 0)), "");
-    EXPECT_NE(message(number("global_lookup_radius", 0)), "");
-    EXPECT_NE(message(whole("lookup_size", 1)), "");
-    EXPECT_NE(message(whole("photon_count", 0), "sppm"), "");
-    EXPECT_NE(message(number("alpha", 0), "sppm"), "");
-    EXPECT_NE(message(whole("final_gather", 4) + word("direct_light", "photons")), "");
 }
 
 }  // namespace

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The random numbers that decide the path of a photon.
+#pragma once
+
+#include "core/math/sequences.h"
+
+#include <array>
+
+namespace lucerna {
+
+/// Sobol' points in eight dimensions, with the direction numbers of Joe and Kuo 2008
+/// ("Constructing Sobol Sequences with Better Two-Dimensional Projections", file new-joe-kuo-6).
+/// All coordinates are read together, from a table of four bits of the index at a time.
+class SobolTable {
+public:
+    static constexpr int dimensions = 8;
+    using Point = std::array<std::uint32_t, dimensions>;  ///< 32-bit fractions
+
+    static Point point(std::uint32_t index) {
+        Point x = parts[0][index & 15];
+        for (std::size_t part = 1; part < parts.size(); ++part) {
+            const Point& y = parts[part][(index >> (4 * part)) & 15];
+            for (std::size_t d = 0; d < dimensions; ++d) x[d] ^= y[d];
+        }
+        return x;
+    }
+
+private:
+    using Parts = std::array<std::array<Point, 16>, 8>;
+
+    /// A primitive polynomial over GF(2), its inner coefficients as bits, and the first numbers.
+    struct Polynomial {
+        int degree;
+        std::uint32_t coefficients;
+        std::array<std::uint32_t, 5> first;
+    };
+    /// Of the dimensions after the first, whose numbers are the powers of ½ alone.
+    static constexpr std::array<Polynomial, dimensions - 1> polynomials = {{
+        {1, 0, {1}},
+        {2, 1, {1, 3}},
+        {3, 1, {1, 3, 1}},
+        {3, 2, {1, 1, 1}},
+        {4, 1, {1, 1, 3, 3}},
+        {4, 4, {1, 3, 5, 13}},
+        {5, 2, {1, 1, 5, 5, 17}},
+    }};
+
+    static constexpr std::array<std::uint32_t, 32> directions(std::size_t dimension) {
+        std::array<std::uint32_t, 32> v{};
+        for (std::size_t k = 0; k < 32; ++k) v[k] = std::uint32_t{1} << (31 - k);
+        if (dimension == 0) return v;
+        const auto& [degree, coefficients, first] = polynomials[dimension - 1];
+        const auto s = static_cast<std::size_t>(degree);
+        for (std::size_t k = 0; k < 32; ++k) {
+            if (k < s) {
+                v[k] *= first[k];
+                continue;
+            }
+            v[k] = v[k - s] ^ (v[k - s] >> s);
+            for (std::size_t j = 1; j < s; ++j) {
+                if (coefficients >> (s - 1 - j) & 1) v[k] ^= v[k - j];
+            }
+        }
+        return v;
+    }
+
+    static constexpr Parts make_parts() {
+        Parts result{};
+        for (std::size_t d = 0; d < dimensions; ++d) {
+            const std::array<std::uint32_t, 32> v = directions(d);
+            for (std::size_t bit = 0; bit < 32; ++bit) {
+                for (std::size_t i = 0; i < 16; ++i) {
+                    if (i >> (bit % 4) & 1) result[bit / 4][i][d] ^= v[bit];
+                }
+            }
+        }
+        return result;
+    }
+
+    static const Parts parts;
+};
+
+inline constexpr SobolTable::Parts SobolTable::parts = SobolTable::make_parts();
+
+/// The numbers of photon `index` among those of one light in one pass, `key` being a hash of both.
+///
+/// A randomly shifted Sobol' point decides where it leaves the light and how it is first scattered
+/// (digital shift: Cranley and Patterson 1976 carried to base 2). From then on numbers are
+/// independent (SplitMix64: Steele et al. 2014, "Fast Splittable Pseudorandom Number Generators"):
+/// by then roulette and geometry have parted neighbours.
+class PhotonNumbers {
+public:
+    PhotonNumbers(std::uint64_t key, std::uint64_t index)
+        : point_(SobolTable::point(static_cast<std::uint32_t>(index))),
+          shift_(mix64(key + (index >> 32))),
+          state_(hash_combine(key, index)) {}
+
+    /// The first two dimensions, which are distributed best: a (0, 2)-sequence.
+    Vector2 direction() const { return pair(0); }
+    Vector2 position() const { return pair(1); }
+
+    struct Scattering {
+        float lobe, survival;
+        Vector2 direction;
+    };
+    /// For the next surface.
+    Scattering scattering() {
+        if (!scattered_) {
+            scattered_ = true;
+            const Vector2 u = pair(3);
+            return {u.x, u.y, pair(2)};
+        }
+        const Vector2 u = independent();
+        return {u.x, u.y, independent()};
+    }
+
+private:
+    static constexpr std::uint64_t step = 0x9e3779b97f4a7c15u;  // 2⁶⁴ / golden ratio
+
+    static Vector2 halves(std::uint64_t bits) {
+        return {uint_to_float(static_cast<std::uint32_t>(bits >> 32)),
+                uint_to_float(static_cast<std::uint32_t>(bits))};
+    }
+    Vector2 pair(std::size_t i) const {
+        const std::uint64_t bits = std::uint64_t{point_[2 * i]} << 32 | point_[2 * i + 1];
+        return halves(bits ^ mix64(shift_ + i * step));
+    }
+    Vector2 independent() { return halves(mix64(state_ += step)); }
+
+    SobolTable::Point point_;
+    std::uint64_t shift_, state_;
+    bool scattered_ = false;
+};
+
+}  // namespace lucerna
