@@ -3,19 +3,34 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
+#include <vector>
 
 namespace lucerna {
 
-/// Estimates of the expected squared error, over pixels and the channels R, G, B:
+/// The mean of two halves A and B of the samples, and how far they are apart.
+struct NoisyImage {
+    int width = 0, height = 0;
+    /// Three per pixel, R, G, B: m, and |A − B| √(ab) / (a + b), where a and b are the sizes of the
+    /// halves, so |A − B| / 2 for equal ones: its square is an unbiased estimate v of the variance
+    /// of m. NaN for pixels that lack a half; they are left out.
+    std::vector<float> mean = {}, deviation = {};
+};
+
+/// Estimates of the squared error, over pixels and the channels R, G, B:
 ///
-///   v = ((A − B)/2)², the variance of the mean of two halves A and B of equal size
-///   mse = ⟨v⟩,  relative_mse = ⟨v / (m² + ε)⟩ with m = (A + B)/2, ε = 0.01 ⟨m⟩²
+///   mse = ⟨v⟩,  relative_mse = ⟨v / (μ² + ε)⟩,  ε = 0.01 ⟨m⟩²
 ///
 /// They do not change when the image is scaled (mse: with its square), and they see noise, not
-/// bias. [low, high] covers the expectation of relative_mse with about 95 %. The estimate is too
-/// low while images are very noisy, by about the fraction relative_mse of itself or more, since a
-/// rare bright sample raises m together with v.
+/// bias. μ² of a pixel is what relative_mse is most sensitive to: m² would be too large exactly
+/// where a rare bright sample makes v large, so that the estimate could never exceed one. Its
+/// unbiased estimate m² − v is used where noise is moderate. Where it is not, the mean of the 24
+/// pixels around, which does not depend on this pixel's noise, or m² if that is less.
+///
+/// [low, high] is to hold the error of this very image with 95 %. It adds two things: by chance, v
+/// differs from the expected variance, and the squared error, as independent of v as the sum of two
+/// normal numbers is of their difference, does as much once more; and to `high`, what noisy μ² may
+/// hide: the part of the estimate that comes from pixels of relative variance v / m² counts 1 + v /
+/// m² times. Of bright samples that are too rare to have been drawn, nothing can be known.
 struct ErrorEstimate {
     double mse = 0;
     double relative_mse = 0;
@@ -27,21 +42,6 @@ struct ErrorEstimate {
     double relative_variance() const { return mse / (image_mean * image_mean); }
 };
 
-/// Gathers ErrorEstimate pixel by pixel; ⟨m⟩ must be known before.
-class ErrorEstimator {
-public:
-    explicit ErrorEstimator(double image_mean);
-
-    /// The three channels' m and v of one pixel.
-    void add(const double (&mean)[3], const double (&variance)[3]);
-    ErrorEstimate estimate() const;
-
-private:
-    double image_mean_, epsilon_;
-    double variance_sum_ = 0;
-    /// Mean and sum of squared differences of the pixels' relative errors (Welford 1962).
-    double mean_ = 0, squares_ = 0;
-    std::size_t count_ = 0;
-};
+ErrorEstimate estimate_error(const NoisyImage& image);
 
 }  // namespace lucerna

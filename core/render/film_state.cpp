@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <numeric>
 
@@ -173,31 +174,28 @@ ImageFile FilmState::resolve() const {
 }
 
 std::optional<ErrorEstimate> FilmState::error() const {
-    double sum = 0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < pixel_count(); ++i) {
-        const bool measurable = finite_samples(i, {0, 1}) > 0 && finite_samples(i, {1, 1}) > 0;
-        if (!measurable && dropped_[i] == 0) return {};
-        if (!measurable) continue;
-        for (std::size_t c = 0; c < 3; ++c) sum += mean(i, c);
-        ++count;
-    }
-    if (count == 0) return {};
-    ErrorEstimator estimator(sum / (3 * static_cast<double>(count)));
+    NoisyImage image = {.width = layout_.crop.size.x, .height = layout_.crop.size.y};
+    image.mean.resize(3 * pixel_count());
+    image.deviation.resize(3 * pixel_count(), std::numeric_limits<float>::quiet_NaN());
+    bool measurable = false;
     for (std::size_t i = 0; i < pixel_count(); ++i) {
         const double a = static_cast<double>(finite_samples(i, {0, 1}));
         const double b = static_cast<double>(finite_samples(i, {1, 1}));
-        if (a == 0 || b == 0) continue;
-        // 1/4 for equal halves; else for variances in inverse proportion to the sizes.
-        const double factor = a * b / sqr(a + b);
-        double means[3], variances[3];
-        for (std::size_t c = 0; c < 3; ++c) {
-            means[c] = mean(i, c);
-            variances[c] = factor * sqr(half_mean(i, 0, c) - half_mean(i, 1, c));
+        if (a == 0 || b == 0) {
+            if (dropped_[i] == 0) return {};
+            continue;
         }
-        estimator.add(means, variances);
+        measurable = true;
+        // 1/2 for equal halves; else for variances in inverse proportion to the sizes.
+        const double factor = std::sqrt(a * b) / (a + b);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double difference = half_mean(i, 0, c) - half_mean(i, 1, c);
+            image.mean[3 * i + c] = static_cast<float>(mean(i, c));
+            image.deviation[3 * i + c] = static_cast<float>(factor * std::abs(difference));
+        }
     }
-    return estimator.estimate();
+    if (!measurable) return {};
+    return estimate_error(image);
 }
 
 }  // namespace lucerna

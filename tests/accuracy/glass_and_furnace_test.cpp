@@ -44,6 +44,29 @@ TEST(GlassSlab, O11_D6_D22_TransmitsByTheAngle) {
     }
 }
 
+/// A directional light behind the slab, which only particles from the light can find: on a floor of
+/// reflectance ½, L = ½ E cos θ T(θ) / π.
+TEST(GlassSlab, O11_O5_DirectionalLightThroughIt) {
+    for (const SlabCase& c : slab_cases) {
+        const double angle = c.degrees * pi / 180;
+        const TestScene scene(
+            "<integrator type='ptracer'/>" + slab(0.03) +
+            shape("rectangle", scale(3) + translate({0, 0, -0.1}), diffuse(0.5)) +
+            fmt::format("<emitter type='directional'><vector name='direction' value='{}'/>"
+                        "<rgb name='irradiance' value='10'/></emitter>",
+                        text_of({-std::sin(angle), 0, -std::cos(angle)})) +
+            xml({.to_world = scale(2) + look({0, 0, -0.05}, {0, 0, -1}),
+                 .width = 32,
+                 .height = 32,
+                 .type = "orthographic"}));
+        const double expected = 0.5 * 10 * std::cos(angle) * c.transmittance / pi;
+        // Of grazing light, little arrives.
+        const double precision = c.degrees > 60 ? 0.006 : 0.002;
+        const FilmState film = scene.render({.per_pixel = 2500});
+        EXPECT_TRUE(agrees(pixel_statistics(film), expected, precision)) << c.degrees;
+    }
+}
+
 TEST(GlassSlab, O11_ThinDielectricDoesTheSame) {
     const std::string thin =
         "<bsdf type='thindielectric'>" + number("int_ior", 1.5) + number("ext_ior", 1) + "</bsdf>";

@@ -29,6 +29,7 @@ inline std::string read_whole(const std::filesystem::path& path) {
 /// In what it is started.
 struct ProcessSetup {
     std::optional<rlim_t> largest_file = {};  ///< RLIMIT_FSIZE [bytes]
+    std::optional<rlim_t> memory = {};        ///< RLIMIT_AS [bytes]
     std::string environment = {};             ///< "NAME=value"
 };
 
@@ -70,6 +71,10 @@ private:
         if (setup.largest_file) {
             const rlimit limit = {*setup.largest_file, *setup.largest_file};
             setrlimit(RLIMIT_FSIZE, &limit);
+        }
+        if (setup.memory) {
+            const rlimit limit = {*setup.memory, *setup.memory};
+            setrlimit(RLIMIT_AS, &limit);
         }
         std::string environment = setup.environment;
         if (!environment.empty()) putenv(environment.data());

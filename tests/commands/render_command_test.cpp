@@ -268,6 +268,42 @@ TEST_F(RenderCommandTest, N6_output_is_checked_before_rendering) {
     render({"--time", "60", "--checkpoint", "no/such/folder/x.exr"}, exit_code::file);
 }
 
+TEST_F(RenderCommandTest, N12_two_renders_to_one_file_leave_one_of_both) {
+    render({"-q", "-o", "first", "--seed", "1"});
+    render({"-q", "-o", "second", "--seed", "2"});
+    for (int i = 0; i < 8; ++i) {
+        const auto begin = [&](const char* seed) {
+            return std::make_unique<Process>(
+                folder.path(), std::vector<std::string>{"render", "scene.xml", "-q", "-o", "both",
+                                                        "--seed", seed});
+        };
+        const auto a = begin("1"), b = begin("2");
+        EXPECT_EQ(a->wait(), exit_code::success);
+        EXPECT_EQ(b->wait(), exit_code::success);
+        const std::vector<float> both = plane("both.exr");
+        EXPECT_TRUE(both == plane("first.exr") || both == plane("second.exr"));
+        expect_no_leftovers();
+    }
+}
+
+TEST_F(RenderCommandTest, N7_too_little_memory_is_an_error_and_no_crash) {
+    render({"-q", "--checkpoint", "state.exr"});
+    const std::string before = read_whole(folder / "scene.exr");
+    int refused = 0;
+    // What the film of this size needs is far above, what a small render needs below the limits.
+    for (const rlim_t megabytes : {1000, 1300, 1600}) {
+        Process process(folder.path(),
+                        {"render", "scene.xml", "-q", "--threads", "1", "--resolution",
+                         "12000x12000", "--spp", "1"},
+                        {.memory = megabytes << 20});
+        EXPECT_EQ(process.wait(), exit_code::failure) << process.errors();
+        refused += process.errors().find("memory") != std::string::npos;
+    }
+    EXPECT_EQ(refused, 3);
+    EXPECT_EQ(read_whole(folder / "scene.exr"), before);
+    expect_no_leftovers();
+}
+
 TEST_F(RenderCommandTest, N3_failing_checkpoints_do_not_end_the_render) {
     render({"-q", "--checkpoint", "state.exr"});
     const rlim_t picture = fs::file_size(folder / "scene.exr");

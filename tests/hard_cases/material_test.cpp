@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Materials at the ends of their ranges, in whole renders.
+#include "core/interfaces/bsdf.h"
+#include "core/interfaces/shape.h"
 #include "tests/paths.h"
 #include "tests/render_scene.h"
 
@@ -50,6 +52,33 @@ TEST(Roughness, D1_TheLimitIsSmooth) {
                     glass,
                 1, 0.02)
                 << distribution << alpha;
+        }
+    }
+}
+
+/// Rays parallel to the axis of a ball of glass meet behind it. At height h they are turned by
+/// 2 (θ − θ') at each of two equal refractions, and cross the axis at h / sin of that from the
+/// centre. An offset of their origins along the normal would move the focus.
+TEST(Glass, B4_ABallLensFocusesWhereItShould) {
+    for (const double size : {1e-3, 1.0, 1e4}) {
+        const TestScene scene(sphere({0, 0, 0}, size,
+                                     "<bsdf type='dielectric'>" + number("int_ior", 1.5) +
+                                         number("ext_ior", 1) + "</bsdf>"));
+        for (const double h : {0.02, 0.1, 0.3, 0.6, 0.9}) {
+            const double turned = 2 * (std::asin(h) - std::asin(h / 1.5));
+            Ray ray{.o = Vector3(Vector3d(h * size, 0, -2 * size)), .d = {0, 0, 1}};
+            for (int surface = 0; surface < 2; ++surface) {
+                const std::optional<Interaction> hit = scene.scene().intersect(ray);
+                ASSERT_TRUE(hit);
+                // The last of the unit interval is what is not reflected.
+                const auto refracted = hit->shape->bsdf()->sample(
+                    *hit, hit->to_local(-ray.d), one_minus_epsilon, {}, TransportMode::radiance);
+                ASSERT_TRUE(refracted);
+                ASSERT_EQ(refracted->lobe, Lobe::specular_transmission);
+                ray = hit->spawn_ray(hit->to_world(refracted->wi));
+            }
+            const double crossing = double(ray.o.z) - double(ray.o.x) * ray.d.z / ray.d.x;
+            EXPECT_NEAR(crossing / (h * size / std::sin(turned)), 1, 1e-5) << size << " " << h;
         }
     }
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Libraries that cannot be trusted are refused in words, and only those that a scene names are
 /// opened. The bad ones are in the folder `plugins` beside this file.
+#include "core/interfaces/bsdf.h"
 #include "core/plugin/error.h"
+#include "core/scene/builder.h"
+#include "core/scene/xml_reader.h"
 #include "tests/paths.h"
 #include "tests/render_scene.h"
 
@@ -153,6 +156,23 @@ TEST(BadLibraries, M7_N11_ALibraryThatChangesRounding) {
     const unsigned before = _mm_getcsr();
     EXPECT_THAT(complaint_about("flush_to_zero"), HasSubstr("-ffast-math"));
     EXPECT_EQ(_mm_getcsr(), before);
+}
+
+/// A library stays, even if the registry that opened it has gone.
+TEST(Libraries, M9_NothingIsUnloadedThatIsInUse) {
+    std::vector<std::unique_ptr<Object>> objects;
+    const BSDF* bsdf = nullptr;
+    {
+        Registry registry;
+        Diagnostics diagnostics;
+        const Description description = read_scene_text(
+            "<scene version='3.0.0'><bsdf type='phong'/></scene>", "test.xml", {}, diagnostics);
+        bsdf = static_cast<const BSDF*>(build_object(*description.root->children.at(0).element,
+                                                     description, registry, diagnostics, objects));
+    }
+    ASSERT_TRUE(bsdf);
+    EXPECT_TRUE(any(bsdf->lobes() & Lobe::glossy_reflection));
+    EXPECT_GT(bsdf->evaluate({}, {0, 0, 1}, {0, 0, 1}, TransportMode::radiance).f.x, 0);
 }
 
 TEST(Libraries, M10_TheFirstFolderWins) {

@@ -59,6 +59,44 @@ TEST_F(RFilters, AreSymmetricAndEndAtTheirRadius) {
     }
 }
 
+/// Samples lie where |f| says, and are negative where f is. In x and in y alike.
+TEST_F(RFilters, SamplesAreDistributedAsTheFilter) {
+    constexpr std::size_t cells = 48;
+    constexpr int samples = 200000;
+    const double level = sidak(0.01, 2.0 * static_cast<double>(filters_.size()));
+    for (const auto& [name, f] : filters_) {
+        SCOPED_TRACE(name);
+        const FilterSampler sampler(*f);
+        const float r = f->radius();
+        std::vector<double> observed[2] = {std::vector<double>(cells), std::vector<double>(cells)};
+        Rng rng(11);
+        for (int i = 0; i < samples; ++i) {
+            const FilterSampler::Sample sample = sampler.sample(rng.next_float2());
+            for (int axis = 0; axis < 2; ++axis) {
+                const float x = (sample.offset[axis] / r + 1) / 2;
+                ASSERT_TRUE(x >= 0 && x <= 1);
+                const auto cell = static_cast<std::size_t>(x * cells);
+                observed[axis][std::min(cell, cells - 1)] += 1;
+            }
+            const float value = f->evaluate(sample.offset.x) * f->evaluate(sample.offset.y);
+            if (std::abs(value) > 1e-3f * sqr(f->evaluate(0))) {
+                ASSERT_EQ(value < 0, sample.negative);
+            }
+        }
+        std::vector<double> expected(cells);
+        constexpr std::size_t steps = 2000;  // in each cell
+        for (std::size_t i = 0; i < cells * steps; ++i) {
+            const double x = (2 * (static_cast<double>(i) + 0.5) / (cells * steps) - 1) * r;
+            expected[i / steps] += std::abs(double(f->evaluate(static_cast<float>(x))));
+        }
+        double total = 0;
+        for (const double e : expected) total += e;
+        for (double& e : expected) e *= samples / total;
+        EXPECT_TRUE(counts_match(observed[0], expected, level));
+        EXPECT_TRUE(counts_match(observed[1], expected, level));
+    }
+}
+
 TEST_F(RFilters, H1_HaveAPositiveIntegral) {
     for (const auto& [name, f] : filters_) {
         SCOPED_TRACE(name);

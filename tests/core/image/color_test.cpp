@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <clocale>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
@@ -221,6 +222,24 @@ TEST(ColorConfig, ErrorsListWhatThereIs) {
         EXPECT_NE(message.find(path), std::string::npos) << message;
         EXPECT_NE(message.find("builtin"), std::string::npos) << message;
     }
+}
+
+TEST(ColorConfig, L13_TheDecimalCommaOfALocaleDoesNotMatter) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "own.ocio") << builtin_ocio;
+    const std::string before = std::setlocale(LC_ALL, nullptr);
+    bool found = false;
+    for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "fr_FR"}) {
+        found = found || std::setlocale(LC_ALL, name);
+    }
+    const ColorConfig config = ColorConfig::choose((folder / "own.ocio").string());
+    const Color acescg = config.to_rendering(Color(1, 0.5f, 0.25f), "ACEScg");
+    const Image8 shown = config.display(Image(1, 1), config.views().front());
+    std::setlocale(LC_ALL, before.c_str());
+    expect_color(acescg, ColorConfig().to_rendering(Color(1, 0.5f, 0.25f), "ACEScg"));
+    EXPECT_GT(acescg.x, 1.2f);  // which it would not be if fractions were cut off
+    EXPECT_EQ(shown.pixels[0], 0);
+    if (!found) GTEST_SKIP() << "no locale with a decimal comma is installed: C was tested";
 }
 
 TEST(ColorConfig, UserConfigurationNamesTheRenderingSpace) {

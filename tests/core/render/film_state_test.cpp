@@ -182,39 +182,70 @@ TEST(FilmState, has_no_error_estimate_from_one_half) {
     EXPECT_EQ(film.error()->relative_mse, 0);
 }
 
-/// Pixels of very different noise, samples with a heavy tail; how often does the interval hold the
-/// expected relative MSE?
-TEST(FilmState, error_interval_covers_the_true_error) {
-    constexpr int side = 16, samples = 512, films = 200;
-    const auto noise = [](std::size_t pixel) { return pixel % 7 == 0 ? 0.5f : 0.05f; };
-    const auto draw = [&](Rng& rng, std::size_t pixel) {
-        // Mean 1: rarely, a large value.
-        const float p = noise(pixel);
-        const float u = rng.next_float();
-        return u < p ? 0.5f / p : 0.5f;
+/// What an estimate and its interval say, and what is so.
+struct Calibration {
+    double estimate = 0, error = 0;  ///< means over the films
+    int covered = 0;                 ///< films whose interval holds the error
+};
+
+constexpr std::size_t calibration_side = 16;
+constexpr int calibration_films = 200;
+
+/// A picture with an edge and a gradient, in light of which a part comes rarely: with probability p
+/// a sample is bright, and more pixels have a small p than a large one.
+Calibration calibrate(int samples, float rarest) {
+    const auto mean = [](std::size_t pixel) {
+        const std::size_t x = pixel % calibration_side, y = pixel / calibration_side;
+        return (x < 6 ? 0.2f : 1.0f) * (1 + 0.05f * static_cast<float>(y));
     };
-    double truth = 0;
-    for (std::size_t pixel = 0; pixel < side * side; ++pixel) {
-        const double p = static_cast<double>(noise(pixel));
-        const double mean = 0.5 + 0.5 * (1 - p);
-        truth += p * (1 - p) * sqr(0.5 / p - 0.5) / samples / (sqr(mean) + 0.01 * 0.95);
-    }
-    truth /= side * side;
-    int covered = 0;
-    double sum = 0;
-    for (int f = 0; f < films; ++f) {
-        FilmState film(square_layout(side));
+    const auto probability = [&](std::size_t pixel) {
+        return pixel % 3 == 0 ? rarest : pixel % 3 == 1 ? 0.1f : 0.5f;
+    };
+    double image_mean = 0;
+    for (std::size_t i = 0; i < sqr(calibration_side); ++i) image_mean += double(mean(i));
+    image_mean /= static_cast<double>(sqr(calibration_side));
+    Calibration result;
+    for (int f = 0; f < calibration_films; ++f) {
+        FilmState film(square_layout(static_cast<int>(calibration_side)));
         Rng rng(6, static_cast<std::uint64_t>(f));
-        for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
-            for (int i = 0; i < samples; ++i) film.add(pixel, false, grey_sample(draw(rng, pixel)));
+        double error = 0;
+        for (std::size_t i = 0; i < film.pixel_count(); ++i) {
+            const float p = probability(i);
+            for (int k = 0; k < samples; ++k) {
+                const float bright = rng.next_float() < p ? 1 / p : 0.0f;
+                film.add(i, false, grey_sample(mean(i) * (0.5f + 0.5f * bright)));
+            }
+            const double mu = double(mean(i));
+            error += sqr(film.mean(i, 0) - mu) / (sqr(mu) + 0.01 * sqr(image_mean));
         }
-        const ErrorEstimate error = *film.error();
-        sum += error.relative_mse / films;
-        covered += error.low <= truth && truth <= error.high;
+        error /= static_cast<double>(film.pixel_count());
+        const ErrorEstimate estimate = *film.error();
+        result.estimate += estimate.relative_mse / calibration_films;
+        result.error += error / calibration_films;
+        result.covered += estimate.low <= error && error <= estimate.high;
     }
-    EXPECT_NEAR(sum / truth, 1, 0.03);
-    EXPECT_GT(covered, films * 0.9);
-    EXPECT_LT(covered, films * 0.99);
+    return result;
+}
+
+TEST(FilmState, J8_error_interval_holds_the_error_of_the_image) {
+    const Calibration clean = calibrate(512, 0.05f);
+    EXPECT_LT(clean.error, 0.01);
+    EXPECT_NEAR(clean.estimate / clean.error, 1, 0.02);
+    EXPECT_GT(clean.covered, 0.93 * calibration_films);
+    EXPECT_LT(clean.covered, 0.99 * calibration_films);
+
+    const Calibration usual = calibrate(64, 0.01f);
+    EXPECT_NEAR(usual.error, 0.15, 0.02);
+    EXPECT_NEAR(usual.estimate / usual.error, 0.8, 0.05);  // known to be too low
+    EXPECT_GT(usual.covered, 0.9 * calibration_films);
+}
+
+/// An image that is mostly noise has an error above one, and says so.
+TEST(FilmState, error_of_noise_is_not_limited) {
+    const Calibration noise = calibrate(16, 0.002f);
+    EXPECT_GT(noise.error, 2);
+    EXPECT_GT(noise.estimate / noise.error, 0.5);
+    EXPECT_LT(noise.estimate / noise.error, 1.5);
 }
 
 }  // namespace
