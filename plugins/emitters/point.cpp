@@ -2,15 +2,15 @@
 /// point: light from one point, the same in all directions.
 ///
 ///   irradiance at distance d, facing the light: E = I / d²;   power: Φ = 4π I
-#include "core/interfaces/emitter.h"
 #include "core/math/transform.h"
 #include "core/math/warp.h"
+#include "plugins/emitters/light_point.h"
 
 namespace lucerna {
 
 namespace {
 
-class PointEmitter final : public Emitter {
+class PointEmitter final : public LightPoint {
 public:
     explicit PointEmitter(const Params& params)
         : intensity_(params.rgb("intensity", Color(1), non_negative, "radiant intensity [W/sr]")) {
@@ -22,26 +22,6 @@ public:
         }
         position_ = Vector3(to_world.point(position));
         params.no_effect("sampling_weight", "lights are chosen by the light_sampler");
-    }
-
-    bool delta() const override { return true; }
-
-    std::optional<LightSample> sample_li(const Light&, const Receiver& from,
-                                         Vector2) const override {
-        const Vector3 to_light = position_ - from.p;
-        const float distance = glm::length(to_light);
-        const Color irradiance = intensity_ / (distance * distance);
-        if (!(distance > 0) || !is_finite(irradiance)) return {};
-        return LightSample{.wi = to_light / distance,
-                           .distance = distance,
-                           .radiance = irradiance,
-                           .pdf = 1,
-                           .delta = true,
-                           .p = position_};
-    }
-
-    float pdf_li(const Light&, const Receiver&, Vector3, const Interaction*) const override {
-        return 0;
     }
 
     std::optional<EmissionSample> sample_emission(const Light&, Vector2,
@@ -59,8 +39,9 @@ public:
     }
 
 private:
+    Color intensity(Vector3) const override { return intensity_; }
+
     Color intensity_;
-    Vector3 position_{0};
 };
 
 }  // namespace

@@ -6,9 +6,9 @@
 /// [0, 1]² of the texture holds the cone. Without a texture
 ///
 ///   Φ = 2π I (1 − (sin c − sin b) / (c − b)),   which is 2π I (1 − cos c) for b = c.
-#include "core/interfaces/emitter.h"
 #include "core/math/orientation.h"
 #include "core/math/warp.h"
+#include "plugins/emitters/light_point.h"
 
 namespace lucerna {
 
@@ -24,7 +24,7 @@ double mean_one_minus_cos(double b, double c) {
     return 2 * sqr(std::sin(0.5 * middle)) + std::cos(middle) * one_minus_sinc;
 }
 
-class SpotEmitter final : public Emitter {
+class SpotEmitter final : public LightPoint {
 public:
     explicit SpotEmitter(const Params& params)
         : intensity_(params.rgb("intensity", Color(1), non_negative,
@@ -50,35 +50,13 @@ public:
         set_cone(beam * radians, cutoff * radians);
     }
 
-    bool delta() const override { return true; }
-
-    std::optional<LightSample> sample_li(const Light&, const Receiver& from,
-                                         Vector2) const override {
-        const Vector3 to_light = position_ - from.p;
-        const float distance = glm::length(to_light);
-        if (!(distance > 0)) return {};
-        const Vector3 wi = to_light / distance;
-        const Color irradiance = intensity(frame_.to_local(-wi)) / (distance * distance);
-        if (is_black(irradiance) || !is_finite(irradiance)) return {};
-        return LightSample{.wi = wi,
-                           .distance = distance,
-                           .radiance = irradiance,
-                           .pdf = 1,
-                           .delta = true,
-                           .p = position_};
-    }
-
-    float pdf_li(const Light&, const Receiver&, Vector3, const Interaction*) const override {
-        return 0;
-    }
-
     std::optional<EmissionSample> sample_emission(const Light&, Vector2,
                                                   Vector2 u_direction) const override {
         if (!(one_minus_cos_cutoff_ > 0)) return {};
         const Vector3 local = square_to_uniform_cone(u_direction, one_minus_cos_cutoff_);
         const float pdf = square_to_uniform_cone_pdf(one_minus_cos_cutoff_);
         return EmissionSample{.ray = {.o = position_, .d = frame_.to_world(local)},
-                              .power = intensity(local) / pdf,
+                              .power = local_intensity(local) / pdf,
                               .pdf_position = 1,
                               .pdf_direction = pdf};
     }
@@ -102,8 +80,10 @@ private:
         texture_scale_ = static_cast<float>(0.5 / std::tan(cutoff));
     }
 
+    Color intensity(Vector3 w) const override { return local_intensity(frame_.to_local(w)); }
+
     /// Along the local unit vector `w` [W/sr].
-    Color intensity(Vector3 w) const {
+    Color local_intensity(Vector3 w) const {
         const float angle = std::atan2(std::sqrt(sin2_theta(w)), w.z);
         if (angle >= cutoff_) return Color(0);
         const float falloff = angle <= beam_ ? 1 : (cutoff_ - angle) / (cutoff_ - beam_);
@@ -114,7 +94,6 @@ private:
 
     Color intensity_;
     const Texture* texture_ = nullptr;
-    Vector3 position_{0};
     Frame frame_;
     float beam_ = 0, cutoff_ = 0;
     float one_minus_cos_cutoff_ = 0;

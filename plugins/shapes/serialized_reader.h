@@ -40,6 +40,7 @@ public:
             bytes -= part - stream_.avail_out;
             if (bytes > 0 && (status != Z_OK || stream_.avail_out == part)) fail(status);
         }
+        stream_.next_out = nullptr;  // the target may go away
     }
     template <typename T>
     T read() {
