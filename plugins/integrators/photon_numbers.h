@@ -13,19 +13,20 @@ namespace lucerna {
 /// All coordinates are read together, from a table of four bits of the index at a time.
 class SobolTable {
 public:
-    static constexpr int dimensions = 8;
-    using Point = std::array<std::uint32_t, dimensions>;  ///< 32-bit fractions
+    /// Four pairs of coordinates: 32-bit fractions, the first in the upper half of a word.
+    using Point = std::array<std::uint64_t, 4>;
 
     static Point point(std::uint32_t index) {
         Point x = parts[0][index & 15];
         for (std::size_t part = 1; part < parts.size(); ++part) {
             const Point& y = parts[part][(index >> (4 * part)) & 15];
-            for (std::size_t d = 0; d < dimensions; ++d) x[d] ^= y[d];
+            for (std::size_t pair = 0; pair < x.size(); ++pair) x[pair] ^= y[pair];
         }
         return x;
     }
 
 private:
+    static constexpr std::size_t dimensions = 8;
     using Parts = std::array<std::array<Point, 16>, 8>;
 
     /// A primitive polynomial over GF(2), its inner coefficients as bits, and the first numbers.
@@ -70,7 +71,8 @@ private:
             const std::array<std::uint32_t, 32> v = directions(d);
             for (std::size_t bit = 0; bit < 32; ++bit) {
                 for (std::size_t i = 0; i < 16; ++i) {
-                    if (i >> (bit % 4) & 1) result[bit / 4][i][d] ^= v[bit];
+                    const std::uint64_t placed = std::uint64_t{v[bit]} << (d % 2 == 0 ? 32 : 0);
+                    if (i >> (bit % 4) & 1) result[bit / 4][i][d / 2] ^= placed;
                 }
             }
         }
@@ -121,10 +123,7 @@ private:
         return {uint_to_float(static_cast<std::uint32_t>(bits >> 32)),
                 uint_to_float(static_cast<std::uint32_t>(bits))};
     }
-    Vector2 pair(std::size_t i) const {
-        const std::uint64_t bits = std::uint64_t{point_[2 * i]} << 32 | point_[2 * i + 1];
-        return halves(bits ^ mix64(shift_ + i * step));
-    }
+    Vector2 pair(std::size_t i) const { return halves(point_[i] ^ mix64(shift_ + i * step)); }
     Vector2 independent() { return halves(mix64(state_ += step)); }
 
     SobolTable::Point point_;

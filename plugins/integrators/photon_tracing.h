@@ -218,18 +218,17 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& 
 /// which shading normals make differ from f by the ratio of the cosines (Veach 1997, 5.3.2).
 inline bool PhotonTracer::scatter(const Interaction& at, bool stored, float most_survival,
                                   const PhotonNumbers::Scattering& u, Flight& flight) {
-    const Vector3 wo = -flight.ray.d;
-    const std::optional<BSDFSample> next = at.shape->bsdf()->sample(
-        at, at.to_local(wo), u.lobe, u.direction, TransportMode::importance);
+    const Vector3 wo = at.to_local(-flight.ray.d);
+    const std::optional<BSDFSample> next =
+        at.shape->bsdf()->sample(at, wo, u.lobe, u.direction, TransportMode::importance);
     if (!next || is_black(next->weight)) return false;
     Color power = flight.power * next->weight;
     Vector3 wi = flight.ray.d;
     if (next->lobe != Lobe::null) {
         wi = at.to_world(next->wi);
-        const float wi_n = glm::dot(wi, at.n), wo_n = glm::dot(wo, at.n);
-        const float wi_ns = glm::dot(wi, at.shading.n), wo_ns = glm::dot(wo, at.shading.n);
-        if (!(wi_n * wi_ns > 0 && wo_n * wo_ns > 0)) return false;
-        power *= (wo_ns * wi_n) / (wo_n * wi_ns);
+        const float wo_n = -glm::dot(flight.ray.d, at.n), wi_n = glm::dot(wi, at.n);
+        if (!(wo_n * wo.z > 0 && wi_n * next->wi.z > 0)) return false;
+        power *= (wo.z * wi_n) / (wo_n * next->wi.z);
     }
     if (!is_finite(power)) {
         throw Error(
