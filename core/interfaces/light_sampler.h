@@ -31,7 +31,7 @@ public:
     /// `sample` reports for it. A probability if there is one draw.
     virtual float pmf(const Receiver& at, std::uint32_t light) const = 0;
 
-    /// Memory of the tables that it keeps [bytes].
+    /// Memory of the tables that it keeps [bytes]; 0 if it has none.
     virtual std::size_t bytes() const { return 0; }
 };
 

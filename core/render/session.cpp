@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/session.h"
 
+#include "core/interfaces/light_sampler.h"
 #include "core/scene/builder.h"
 #include "core/scene/xml_reader.h"
 
@@ -21,6 +22,7 @@ double seconds_since(Clock::time_point start) {
 RayStatistics difference(const RayStatistics& after, const RayStatistics& before) {
     return {.intersections = after.intersections - before.intersections,
             .occlusions = after.occlusions - before.occlusions,
+            .blocked = after.blocked - before.blocked,
             .dropped = after.dropped - before.dropped,
             .rejected = after.rejected - before.rejected};
 }
@@ -78,6 +80,9 @@ RenderResult Session::render(RenderOptions options, std::optional<RenderState> f
     figures.seed = seed;
     figures.scene_hash = scene_->hash();
     figures.light_sampler = light_sampler();
+    if (const LightSampler* sampler = scene_->light_sampler()) {
+        figures.light_sampler_bytes = sampler->bytes();
+    }
     figures.plugins = registry_.opened();
     return result;
 }

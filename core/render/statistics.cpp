@@ -79,6 +79,7 @@ Json to_json(const RenderFigures& figures) {
     Json counters = Json::object();
     counters.set("intersections", figures.rays.intersections);
     counters.set("occlusions", figures.rays.occlusions);
+    counters.set("blocked", figures.rays.blocked);
     counters.set("dropped_rays", figures.rays.dropped);
     counters.set("rejected_hits", figures.rays.rejected);
     counters.set("dropped_samples", figures.dropped_samples);
@@ -97,6 +98,7 @@ Json to_json(const RenderFigures& figures) {
     json.set("threads", figures.threads).set("seed", figures.seed);
     json.set("scene_hash", fmt::format("{:016x}", figures.scene_hash));
     json.set("light_sampler", figures.light_sampler);
+    json.set("light_sampler_bytes", figures.light_sampler_bytes);
     json.set("plugins", figures.plugins);
     json.set("version", core_version()).set("built_with", core_built_with());
     return json;

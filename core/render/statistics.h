@@ -27,6 +27,7 @@ struct RenderFigures {
     std::uint64_t empty_pixels = 0;
     std::uint64_t peak_memory = 0;  ///< of the process [bytes]
     std::uint64_t accelerator_bytes = 0;
+    std::uint64_t light_sampler_bytes = 0;  ///< of its tables; 0 if it has none or does not say
     int threads = 0;
     std::uint64_t seed = 0;
     std::uint64_t scene_hash = 0;

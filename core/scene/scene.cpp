@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/scene.h"
 
+#include "core/interfaces/light_sampler.h"
 #include "core/math/rounding.h"
 #include "core/scene/accelerator.h"
 #include "core/scene/ray_statistics.h"
@@ -73,6 +74,9 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     };
     prepare_if(true);
     prepare_if(false);
+    for (const auto& object : parts_.objects) {
+        if (!light_sampler_) light_sampler_ = dynamic_cast<const LightSampler*>(object.get());
+    }
 }
 
 Scene::~Scene() = default;

@@ -15,6 +15,7 @@
 namespace lucerna {
 
 class Accelerator;
+class LightSampler;
 
 /// Everything that a scene is made of, as the builder hands it over.
 struct SceneParts {
@@ -59,6 +60,8 @@ public:
     const Bounds3& bounds() const { return bounds_; }
     const Integrator& integrator() const { return *parts_.integrator; }
     const Sensor& sensor() const { return *parts_.sensor; }
+    /// That of the integrator, of the first that has one if there are several; null if none has.
+    const LightSampler* light_sampler() const { return light_sampler_; }
     std::span<Shape* const> shapes() const { return parts_.shapes; }
     Vector3d origin() const { return parts_.origin; }
     std::uint64_t hash() const { return parts_.hash; }
@@ -73,6 +76,7 @@ private:
     std::unique_ptr<Accelerator> accelerator_;
     std::vector<Light> lights_;
     std::vector<std::uint32_t> infinite_lights_;
+    const LightSampler* light_sampler_ = nullptr;
 };
 
 }  // namespace lucerna

@@ -11,6 +11,7 @@
 #include "core/render/interrupt.h"
 #include "core/render/session.h"
 #include "plugins/commands/comparison/comparison.h"
+#include "plugins/commands/comparison/oracle.h"
 #include "plugins/commands/comparison/page.h"
 #include "plugins/commands/comparison/report.h"
 #include "plugins/commands/comparison/runs.h"
@@ -32,12 +33,12 @@ struct Request {
     std::vector<std::pair<std::string, std::string>> varied;
     RenderBudget budget;
     std::optional<std::uint64_t> reference_samples;
-    int repeats = 5, threads = 0;
+    int repeats = 5, threads = 0, oracle_points = 200;
     std::uint64_t seed = 0;
     std::vector<int> resolution;
     std::vector<std::pair<std::string, std::string>> defines;
     std::vector<std::string> overrides, plugin_folders;
-    bool quiet = false, json = false;
+    bool oracle = false, quiet = false, json = false;
 };
 
 void declare_comparison(Arguments& arguments, Request& request) {
@@ -61,6 +62,12 @@ void declare_comparison(Arguments& arguments, Request& request) {
     arguments.option("--reference-spp", "N", request.reference_samples, {.min = 4, .max = 1 << 30},
                      "samples of the reference; by default 64 times --spp, 16 times --time, or a "
                      "32nd of --error");
+    arguments.flag("--oracle", request.oracle,
+                   "also tells how far the light sampler of each variant is from the best choice "
+                   "of a light that is possible, by asking all lights at some points");
+    arguments.option("--oracle-points", "N", request.oracle_points, {.min = 2, .max = 100000},
+                     "points of the oracle, of each kind; 200 by default, fewer if there are very "
+                     "many lights");
     arguments.option("-o,--output", "DIR", request.output,
                      "folder for index.html, report.json, results.csv and reference.exr");
 }
@@ -130,6 +137,10 @@ std::string contradiction(const Request& request, const std::vector<Variant>& va
                        int(budget.error.has_value());
     if (limits != 1) return "give one of --time, --spp and --error: the budget of each run";
     if (request.output.empty()) return "-o DIR is missing: the folder for the report";
+    if (request.oracle) {
+        const std::string problem = oracle_contradiction(variants);
+        if (!problem.empty()) return problem;
+    }
     if (request.reference != "auto" && request.reference_samples) {
         return "--reference-spp is for a reference that is rendered, not for one from a file";
     }
@@ -176,6 +187,7 @@ public:
     int run() {
         make_folder();
         const InterruptGuard guard;
+        if (request_.oracle) ask();
         if (!find_reference()) return exit_code::interrupted;
         result_.interrupted =
             !Rounds(settings_, result_, request_.repeats, request_.quiet).render();
@@ -195,6 +207,16 @@ private:
         for (const char* name : {"index.html", "report.json", "results.csv", "reference.exr"}) {
             check_writable(folder_ / name);
         }
+    }
+
+    void ask() {
+        if (!request_.quiet) fmt::print(stderr, "oracle: asking all lights\n");
+        std::vector<SessionSettings> variants;
+        for (const VariantRuns& v : result_.variants) {
+            variants.push_back(settings_for(settings_, v.variant));
+        }
+        oracle_ = ask_oracle(settings_, variants,
+                             static_cast<std::uint32_t>(request_.oracle_points), request_.seed);
     }
 
     /// False if it was interrupted.
@@ -245,7 +267,8 @@ private:
 
     void report() const {
         const Summary summary(result_);
-        const Json json = to_json(result_, summary);
+        Json json = to_json(result_, summary);
+        if (oracle_) json.set("oracle", to_json(*oracle_, result_));
         const std::string text = json.text();
         write_file_atomically(folder_ / "report.json", text);
         write_file_atomically(folder_ / "results.csv", to_csv(result_, summary));
@@ -256,7 +279,9 @@ private:
         if (request_.json) {
             fmt::print("{}", text);
         } else {
-            fmt::print("{}{}\n", table(result_, summary), (folder_ / "index.html").string());
+            fmt::print("{}{}\n{}\n", table(result_, summary),
+                       oracle_ ? oracle_table(*oracle_, result_) : "",
+                       (folder_ / "index.html").string());
         }
     }
 
@@ -264,6 +289,7 @@ private:
     SessionSettings settings_;
     fs::path folder_;
     ComparisonResult result_{};
+    std::optional<OracleReport> oracle_;
 };
 
 class CompareCommand final : public Command {

@@ -11,8 +11,8 @@
 /// A shape has one material and one emitter, a city has many: so a scene names the shape once for
 /// each material, always with the same lights, size and seed, and the parts fit together. Each
 /// rectangle is one primitive, and one light where the shape emits. All shades of `windows`,
-/// `signs`, `lamps`, `beacons`, `headlights` and `taillights` have together exactly as many
-/// rectangles as `lights` says. y is up, lengths are metres.
+/// `shops`, `signs`, `lamps`, `beacons`, `headlights` and `taillights` have together exactly as
+/// many rectangles as `lights` says. y is up, lengths are metres.
 #include "plugins/shapes/city_parts.h"
 #include "plugins/shapes/parallelograms.h"
 
@@ -23,12 +23,12 @@ namespace {
 
 using namespace city;
 
-/// Blocks along each side, so that about a fifth of the windows are lit; streets cross in the
+/// Blocks along each side, so that about a third of the windows are lit; streets cross in the
 /// middle.
 int size_for(std::int64_t lights) {
-    constexpr double lights_of_a_block = 130;
+    constexpr double lights_of_a_block = 200;
     const double side = std::sqrt(static_cast<double>(lights) / lights_of_a_block);
-    return std::max(4, 2 * static_cast<int>(std::ceil(0.5 * side)));
+    return std::max(3, static_cast<int>(std::ceil(side)));
 }
 
 class CityShape final : public Parallelograms {
@@ -53,6 +53,7 @@ public:
                                      {"posts", Part::posts},
                                      {"cars", Part::cars},
                                      {"windows", Part::windows},
+                                     {"shops", Part::shops},
                                      {"signs", Part::signs},
                                      {"lamps", Part::lamps},
                                      {"beacons", Part::beacons},
@@ -127,7 +128,7 @@ void CityShape::add_lights(const Plan& plan, std::int64_t lights) {
         if (rank == last && lit) --of_last;
         if (lit) {
             add(site.part, site.shade, site.quad);
-        } else if (site.part == Part::windows) {
+        } else if (site.part == Part::windows || site.part == Part::shops) {
             add(Part::panes, site.shade, site.quad);
         }
     });
@@ -135,7 +136,7 @@ void CityShape::add_lights(const Plan& plan, std::int64_t lights) {
 
 void CityShape::add_ground(const Plan& plan) {
     const Area area = plan.area();
-    constexpr double water_level = -2, sea = 3000;
+    constexpr double water_level = -2, sea = 6000;
     add(Part::water, 0, top_of(area.inset(-sea), water_level));
     add(Part::streets, 0, top_of(area, 0));
     const Box quay{area, water_level - 1, 0};
@@ -229,7 +230,7 @@ void CityShape::add_lamp(const Lamp& lamp) {
     const Vector3d top = lamp.foot + Vector3d(0, lamp_height, 0);
     add_box(Part::posts, 0,
             box_at(top + arm, 0.1 + 2 * std::abs(arm.x), 0.1 + 2 * std::abs(arm.z), 0.08));
-    add_box(Part::posts, 0, box_at(top + 2.0 * arm - Vector3d(0, 0.04, 0), 0.45, 0.45, 0.14));
+    add_box(Part::posts, 0, box_at(top + 2.0 * arm - Vector3d(0, 0.04, 0), 0.6, 0.6, 0.14));
 }
 
 void CityShape::add_car(const Car& car) {

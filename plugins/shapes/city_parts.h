@@ -28,6 +28,7 @@ enum class Part {
     posts,      ///< of lamps, masts
     cars,       ///< painted metal
     windows,    ///< from here on: lights
+    shops,      ///< their windows
     signs,
     lamps,
     beacons,
@@ -138,15 +139,15 @@ void visit_shops(const Building& building, const Visit& visit) {
             const auto key =
                 hash64({keys, static_cast<std::uint64_t>(side), static_cast<std::uint64_t>(i)});
             const double x = i * width + 0.5;
-            const int shade = static_cast<int>(2.4 * chance(key, 1));
-            visit(Site{Part::windows, shade, 6, hash_combine(key, 2),
+            const int shade = static_cast<int>(2 * chance(key, 1));
+            visit(Site{Part::shops, shade, 6, hash_combine(key, 2),
                        wall.rectangle(x, box.y0 + 0.5, width - 1, 2.1, 0.05)});
             const int color = static_cast<int>(4 * chance(key, 3));
             const double kind = chance(key, 4);
-            if (kind < 0.3) {
+            if (kind < 0.45) {
                 visit(Site{Part::signs, color, 12, hash_combine(key, 5),
                            wall.rectangle(x + 0.3, box.y0 + 2.95, width - 1.6, 0.55, 0.12)});
-            } else if (kind < 0.42 && box.y1 - box.y0 > 9) {
+            } else if (kind < 0.68 && box.y1 - box.y0 > 9) {
                 const Vector3d low = wall.rectangle(x, box.y0 + 4, 0, 0, 0.25).corner;
                 const Vector3d up(0, 3 + 2 * chance(key, 6), 0), out = 0.8 * wall.out;
                 visit(Site{Part::signs, color, 12, hash_combine(key, 7), {low, out, up}});
@@ -154,7 +155,7 @@ void visit_shops(const Building& building, const Visit& visit) {
                            color,
                            12,
                            hash_combine(key, 7),
-                           {low - 0.1 * wall.right + out, -out, up}});
+                           {low + 0.1 * wall.right + out, -out, up}});
             }
         }
     }
@@ -248,7 +249,7 @@ void visit_sites(const Plan& plan, const Visit& visit) {
         visit_lamps(block, [&](const Lamp& lamp) {
             const Vector3d end =
                 lamp.foot + lamp_reach * lamp.outwards + Vector3d(0, lamp_height - 0.05, 0);
-            const Area face = box_at(end, 0.35, 0.35, 0).area;
+            const Area face = box_at(end, 0.5, 0.5, 0).area;
             visit(Site{Part::lamps,
                        lamp.shade,
                        40,

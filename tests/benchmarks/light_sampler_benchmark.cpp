@@ -5,14 +5,13 @@
 ///     light_sampler_benchmark [lights [points [aerial | street [sampler…]]]]
 ///
 /// A sampler is a type, and parameters after it: cache:lights=128:jitter=false.
-/// With f_l the estimate that one sample on light l gives, a sampler of probabilities P has the
-/// variance Σ E f_l² / P(l) − (Σ E f_l)² from its own choice and the samples on the lights. The
-/// best there is has P in proportion to √E f_l². Printed are means over the points of the variance
-/// relative to c² + (0.05 c̄)², cut at 10⁴, its median, the number of points at which a light that
-/// contributes has probability zero, and the time of a choice and of a probability.
+/// Printed are means over the points of the relative variance, cut at 10⁴, its median and 90 %
+/// quantile (plugins/commands/comparison/light_oracle.h explains them and the bound), the number of
+/// points at which a light that contributes is never drawn, and the time of a choice and of a
+/// probability.
 #include "core/scene/builder.h"
 #include "core/scene/xml_reader.h"
-#include "plugins/light_samplers/pilot_paths.h"
+#include "plugins/commands/comparison/light_oracle.h"
 #include "tests/benchmarks/benchmark_scenes.h"
 
 #include <cstdio>
@@ -70,62 +69,10 @@ std::string night_city(int lights, const std::string& view) {
     return text + "</scene>";
 }
 
-/// First and second moment of the estimates from each light that reaches a point.
-struct PointMoments {
-    Receiver at;
-    std::vector<std::pair<std::uint32_t, double>> second{};
-    double mean = 0, root = 0;  ///< Σ E f, Σ √E f²
-};
-
-PointMoments moments(const Scene& scene, const Receiver& at) {
-    PointMoments result{.at = at};
-    constexpr int samples = 4;
-    Rng rng(7, static_cast<std::uint64_t>(std::abs(at.p.x) * 1e4f));
-    for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-        const Light& light = scene.lights()[i];
-        double first = 0, second = 0;
-        for (int k = 0; k < samples; ++k) {
-            const Vector2 random = rng.next_float2();
-            const Vector2 u = 0.5f * (random + Vector2(k & 1, k >> 1));
-            const auto sample = light.emitter->sample_li(light, at, u);
-            if (!sample || !(sample->pdf > 0)) continue;
-            const float cosine = glm::dot(sample->wi, at.ns);
-            if (!(cosine > 0) || !(glm::dot(sample->wi, at.n) > 0)) continue;
-            if (scene.occluded(at, *sample)) continue;
-            const auto f = static_cast<double>(luminance(sample->radiance) * cosine / sample->pdf);
-            first += f / samples;
-            second += f * f / samples;
-        }
-        if (!(second > 0)) continue;
-        result.mean += first;
-        result.root += std::sqrt(second);
-        result.second.push_back({i, second});
-    }
-    return result;
-}
-
-std::vector<PointMoments> choose_points(const Scene& scene, std::uint32_t count) {
-    const Workers workers;
-    std::vector<Receiver> receivers =
-        pilot_receivers(scene, {.count = 4 * count, .bounces = 0, .seed = 99}, workers);
-    receivers.resize(std::min<std::size_t>(receivers.size(), count));
-    std::vector<PointMoments> points(receivers.size());
-    workers.run(static_cast<std::int64_t>(points.size()), [&](std::int64_t i) {
-        const auto k = static_cast<std::size_t>(i);
-        points[k] = moments(scene, receivers[k]);
-    });
-    std::erase_if(points, [](const PointMoments& p) { return p.second.empty(); });
-    return points;
-}
-
-void print_row(const std::string& name, std::vector<double> values, int zero, double ns,
-               double pmf_ns, double build) {
-    double sum = 0;
-    for (const double v : values) sum += v / static_cast<double>(values.size());
-    std::sort(values.begin(), values.end());
-    const double median = values[values.size() / 2], p90 = values[values.size() * 9 / 10];
-    std::printf("%-36s %10.4g %10.4g %10.4g %6d %9.0f %9.0f %8.2f\n", name.c_str(), sum, median,
-                p90, zero, ns, pmf_ns, build);
+void print_row(const std::string& name, const OracleFigures& f, double ns, double pmf_ns,
+               double build) {
+    std::printf("%-36s %10.4g %10.4g %10.4g %6u %9.0f %9.0f %8.2f\n", name.c_str(), f.mean,
+                f.median, f.upper, f.blind, ns, pmf_ns, build);
     std::fflush(stdout);
 }
 
@@ -151,8 +98,7 @@ std::string element_of(const std::string& text) {
     return xml + "</light_sampler>";
 }
 
-void measure(const std::string& type, const Scene& scene, const std::vector<PointMoments>& points,
-             double average) {
+void measure(const std::string& type, const Scene& scene, const OracleKind& points) {
     Registry registry;
     Diagnostics diagnostics;
     const Description description = read_scene_text(
@@ -166,38 +112,28 @@ void measure(const std::string& type, const Scene& scene, const std::vector<Poin
     object->prepare(scene);
     const double build = seconds_since(start);
     const auto& sampler = static_cast<const LightSampler&>(*object);
-    std::vector<double> values;
-    int zero = 0;
-    double pmf_seconds = 0, pmf_calls = 0;
-    for (const PointMoments& point : points) {
-        double square = 0;
-        bool missing = false;
-        start = BenchmarkClock::now();
-        for (const auto& [light, second] : point.second) {
-            const auto p = static_cast<double>(sampler.pmf(point.at, light));
-            if (p > 0) square += second / p;
-            if (!(p > 0)) missing = true;
-        }
-        pmf_seconds += seconds_since(start);
-        pmf_calls += static_cast<double>(point.second.size());
-        zero += missing;
-        const double scale = point.mean * point.mean + sqr(0.05 * average);
-        values.push_back(std::clamp((square - sqr(point.mean)) / scale, 0.0, 1e4));
+    start = BenchmarkClock::now();
+    const OracleFigures figures = points.judge(sampler);
+    double probabilities = 0;
+    for (const LightMoments& m : points.moments()) {
+        probabilities += static_cast<double>(m.entries.size());
     }
+    const double pmf_ns = 1e9 * seconds_since(start) / probabilities;
     start = BenchmarkClock::now();
     const int repeats = type == "exhaustive" ? 1 : 200;
     std::uint32_t sink = 0;
     Rng rng(3);
     for (int i = 0; i < repeats; ++i) {
-        for (const PointMoments& point : points) {
-            Receiver at = point.at;
+        for (const LightMoments& m : points.moments()) {
+            Receiver at = m.at;
             at.p.x += 1e-6f * static_cast<float>(i) * at.p.x;
             if (const auto choice = sampler.sample(at, 0, rng.next_float())) sink += choice->light;
         }
     }
-    const double ns = 1e9 * seconds_since(start) / (repeats * static_cast<double>(points.size()));
+    const double ns =
+        1e9 * seconds_since(start) / (repeats * static_cast<double>(points.moments().size()));
     if (sink == 1) std::printf(" ");
-    print_row(type, values, zero, ns, 1e9 * pmf_seconds / pmf_calls, build);
+    print_row(type, figures, ns, pmf_ns, build);
 }
 
 int run(int argc, char** argv) {
@@ -210,21 +146,19 @@ int run(int argc, char** argv) {
         read_scene_text(night_city(lights, view), "city.xml", {}, diagnostics);
     const std::unique_ptr<Scene> scene = build_scene(description, registry, diagnostics);
     diagnostics.throw_if_errors();
-    const std::vector<PointMoments> points = choose_points(*scene, count);
-    double average = 0;
-    for (const PointMoments& p : points) average += p.mean / static_cast<double>(points.size());
-    std::printf("%d lights, %s, %zu points\n", lights, view.c_str(), points.size());
+    const OracleOptions options = OracleOptions::for_lights(scene->lights().size(), count);
+    const OracleKind points(
+        evaluate_all(*scene, options, oracle_points(*scene, 0, options.points, 99)));
+    std::printf("%zu lights, %s, %zu points\n", scene->lights().size(), view.c_str(),
+                points.moments().size());
     std::printf("%-36s %10s %10s %10s %6s %9s %9s %8s\n", "sampler", "variance", "median", "90 %",
-                "zero", "sample ns", "pmf ns", "build s");
-    std::vector<double> bound;
-    for (const PointMoments& p : points) {
-        bound.push_back((sqr(p.root) - sqr(p.mean)) / (sqr(p.mean) + sqr(0.05 * average)));
-    }
-    print_row("(bound)", bound, 0, 0, 0, 0);
+                "blind", "sample ns", "pmf ns", "build s");
+    print_row("(bound)", points.bound(), 0, 0, 0);
+    print_row("(no shadows)", points.unoccluded(), 0, 0, 0);
     std::vector<std::string> types(argv + std::min(argc, 4), argv + argc);
     if (types.empty()) types = registry.names(LightSampler::kind);
     for (const std::string& type : types) {
-        if (type != "all") measure(type, *scene, points, average);
+        if (type != "all") measure(type, *scene, points);
     }
     return 0;
 }

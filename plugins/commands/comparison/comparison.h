@@ -64,14 +64,21 @@ inline double without_reference(double error, double reference_error) {
     return std::max(error - reference_error, error / 2);
 }
 
+/// Share of the shadow rays that nothing blocked.
+inline double visibility(const RayStatistics& rays) {
+    if (rays.occlusions == 0) return 0;
+    return 1 - static_cast<double>(rays.blocked) / static_cast<double>(rays.occlusions);
+}
+
 /// What is said of a variant.
 struct Figures {
     Interval mse, relmse, trimmed_relmse, flip;
     Interval efficiency;         ///< 1 / (relMSE · seconds), building included, over the first's
     Interval render_efficiency;  ///< the same, building not counted
     double build_seconds = 0, render_seconds = 0, samples = 0, rays = 0, shadow_rays = 0;
-    double memory = 0;         ///< [bytes]; medians, these all
-    double trimmed_share = 0;  ///< of the sum of relMSE in the worst 0.1 % of pixels
+    double visible = 0;                     ///< share of the shadow rays that nothing blocked
+    double sampler_memory = 0, memory = 0;  ///< [bytes]; medians, these all
+    double trimmed_share = 0;               ///< of the sum of relMSE in the worst 0.1 % of pixels
     std::uint64_t dropped_samples = 0;
     BiasTest bias;
     bool limited = false;  ///< the reference's own noise is more than half of some error
@@ -132,6 +139,9 @@ private:
         f.samples = median_of(variant, [](const Run& r) { return r.figures.samples; });
         f.rays = median_of(variant, [](const Run& r) { return r.figures.rays.rays(); });
         f.shadow_rays = median_of(variant, [](const Run& r) { return r.figures.rays.occlusions; });
+        f.visible = median_of(variant, [](const Run& r) { return visibility(r.figures.rays); });
+        f.sampler_memory =
+            median_of(variant, [](const Run& r) { return r.figures.light_sampler_bytes; });
         f.memory = median_of(variant, [](const Run& r) { return r.memory; });
         f.trimmed_share = median_of(variant, [](const Run& r) { return r.metrics.trimmed_share; });
         for (const Run& run : variant.runs) {

@@ -38,6 +38,7 @@ inline Json run_json(const Summary& summary, const Run& run) {
     json.set("samples_per_pixel", run.figures.samples);
     json.set("intersections", run.figures.rays.intersections);
     json.set("occlusions", run.figures.rays.occlusions);
+    json.set("blocked", run.figures.rays.blocked);
     json.set("dropped_samples", run.figures.dropped_samples);
     json.set("peak_memory_bytes", run.memory);
     Json curve = Json::array();
@@ -66,7 +67,8 @@ inline Json variant_json(const Summary& summary, const VariantRuns& variant, con
     json.set("render_efficiency", to_json(f.render_efficiency));
     json.set("build_seconds", f.build_seconds).set("render_seconds", f.render_seconds);
     json.set("samples_per_pixel", f.samples).set("rays", f.rays);
-    json.set("shadow_rays", f.shadow_rays).set("peak_memory_bytes", f.memory);
+    json.set("shadow_rays", f.shadow_rays).set("visible", f.visible);
+    json.set("light_sampler_bytes", f.sampler_memory).set("peak_memory_bytes", f.memory);
     json.set("dropped_samples", f.dropped_samples);
     json.set("limited_by_reference", f.limited).set("bias", bias_json(f.bias));
     Json runs = Json::array();
@@ -183,7 +185,7 @@ inline std::string to_csv(const ComparisonResult& result, const Summary& summary
     std::string text =
         "variant,repeat,seed,samples_per_pixel,build_seconds,render_seconds,mse,relative_mse,"
         "measured_mse,measured_relative_mse,trimmed_relative_mse,trimmed_share,flip,"
-        "intersections,occlusions,dropped_samples,peak_memory_bytes\n";
+        "intersections,occlusions,blocked,dropped_samples,peak_memory_bytes\n";
     for (const VariantRuns& variant : result.variants) {
         std::string name;
         for (const char c : variant.variant.name) name += c == '"' ? "\"\"" : std::string(1, c);
@@ -193,10 +195,10 @@ inline std::string to_csv(const ComparisonResult& result, const Summary& summary
                                 run.repeat, run.figures.seed, run.figures.samples,
                                 run.figures.build_seconds, run.render_seconds, summary.mse(m),
                                 summary.relmse(m), m.mse, m.relmse);
-            text +=
-                fmt::format("{:.9g},{:.6g},{:.9g},{},{},{},{}\n", m.trimmed_relmse, m.trimmed_share,
-                            run.flip, run.figures.rays.intersections, run.figures.rays.occlusions,
-                            run.figures.dropped_samples, run.memory);
+            text += fmt::format("{:.9g},{:.6g},{:.9g},{},{},{},{},{}\n", m.trimmed_relmse,
+                                m.trimmed_share, run.flip, run.figures.rays.intersections,
+                                run.figures.rays.occlusions, run.figures.rays.blocked,
+                                run.figures.dropped_samples, run.memory);
         }
     }
     return text;
@@ -220,16 +222,18 @@ inline std::string bias_text(const BiasTest& bias) {
 inline std::string table(const ComparisonResult& result, const Summary& summary) {
     std::size_t width = 7;
     for (const VariantRuns& v : result.variants) width = std::max(width, v.variant.name.size());
-    std::string text =
-        fmt::format("{:{}}  {:>7} {:>8} {:>8}  {:>32} {:>8}  {:<22} {}\n", "variant", width, "spp",
-                    "build s", "render s", "relMSE [95 %]", "ꟻLIP", "efficiency [95 %]", "bias");
+    std::string text = fmt::format("{:{}}  {:>7} {:>8} {:>8}  {:>32} {:>8} {:>8}  {:<22} {}\n",
+                                   "variant", width, "spp", "build s", "render s", "relMSE [95 %]",
+                                   "ꟻLIP", "visible", "efficiency [95 %]", "bias");
     for (std::size_t i = 0; i < summary.all.size(); ++i) {
         const Figures& f = summary.all[i];
         const std::string error =
             fmt::format("{:.3g} [{:.3g}, {:.3g}]", f.relmse.value, f.relmse.low, f.relmse.high);
-        text += fmt::format("{:{}}  {:>7} {:>8.2f} {:>8.2f}  {:>32} {:>8.4f}  {:<22} {}\n",
+        const std::string visible =
+            f.shadow_rays > 0 ? fmt::format("{:.1f} %", 100 * f.visible) : "";
+        text += fmt::format("{:{}}  {:>7} {:>8.2f} {:>8.2f}  {:>32} {:>8.4f} {:>8}  {:<22} {}\n",
                             result.variants[i].variant.name, width, f.samples, f.build_seconds,
-                            f.render_seconds, error, f.flip.value,
+                            f.render_seconds, error, f.flip.value, visible,
                             i == 0 ? "×1" : factor_text(f.efficiency), bias_text(f.bias));
     }
     return text;

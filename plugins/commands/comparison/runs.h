@@ -49,6 +49,13 @@ inline std::vector<Variant> combinations(
     return variants;
 }
 
+/// The scene as the variant changes it.
+inline SessionSettings settings_for(SessionSettings settings, const Variant& variant) {
+    settings.overrides.insert(settings.overrides.end(), variant.overrides.begin(),
+                              variant.overrides.end());
+    return settings;
+}
+
 /// The largest resident memory since the last call of restart(), where the system can tell;
 /// elsewhere that of the whole process so far.
 class MemoryMeter {
@@ -117,15 +124,8 @@ public:
     }
 
 private:
-    SessionSettings settings_for(const Variant& variant) const {
-        SessionSettings settings = settings_;
-        settings.overrides.insert(settings.overrides.end(), variant.overrides.begin(),
-                                  variant.overrides.end());
-        return settings;
-    }
-
     bool warm_up(const Variant& variant) const {
-        const Session session(settings_for(variant));
+        const Session session(settings_for(settings_, variant));
         const Vector2i size = film_layout(session.scene()).crop.size;
         const Image& reference = result_.reference.image;
         if (size != Vector2i(reference.width, reference.height)) {
@@ -150,7 +150,7 @@ private:
             recorder.after_pass(status, film);
         };
         MemoryMeter::restart();
-        const Session session(settings_for(variant.variant));
+        const Session session(settings_for(settings_, variant.variant));
         const RenderResult rendered = session.render(options);
         if (rendered.interrupted) return false;
         Run run;

@@ -231,6 +231,11 @@ function biasCell({bias}) {
     return td;
 }
 
+function shadowText(v) {
+    if (!v.shadow_rays) return ["no shadow rays"];
+    return [number(100 * v.shadow_rays / v.rays, 2) + " % shadow", number(100 * v.visible, 2) + " % of them free"];
+}
+
 function makeTable() {
     const table = element("table"), head = create("tr");
     for (const title of ["variant", "efficiency", "relMSE", "trimmed relMSE", "MSE", "ꟻLIP", "bias", "time",
@@ -248,11 +253,62 @@ function makeTable() {
                    cell(number(v.trimmed_relative_mse.value), worst),
                    cell(number(v.mse.value), brackets(v.mse)), cell(number(v.flip.value), brackets(v.flip)),
                    biasCell(v), cell(seconds(v.render_seconds), `+ ${seconds(v.build_seconds)} to build`),
-                   cell(large(v.rays), number(100 * v.shadow_rays / (v.rays || 1), 2) + " % shadow",
-                        number(v.samples_per_pixel, 4) + " spp"),
-                   cell(large(v.peak_memory_bytes) + "B"));
+                   cell(large(v.rays), ...shadowText(v), number(v.samples_per_pixel, 4) + " spp"),
+                   cell(large(v.peak_memory_bytes) + "B",
+                        ...(v.light_sampler_bytes ? [large(v.light_sampler_bytes) + "B sampler"] : [])));
         table.append(row);
     });
+}
+
+// Variances lie on one logarithmic axis for all kinds of points; the bound is the left end of each bar.
+function varianceBar(value, bound, range, color) {
+    const place = (x) => 4 + 192 * (Math.log(Math.max(x, range.low)) - Math.log(range.low)) /
+        (Math.log(range.high) - Math.log(range.low));
+    const holder = create("span");
+    holder.innerHTML = `<svg width="200" height="12" aria-hidden="true"><path d="M${place(bound)} 6H${place(value)}"
+        stroke="${color}" stroke-width="6" opacity="0.45"/><path d="M${place(bound)} 0V12" stroke="${ink("soft")}"
+        stroke-dasharray="2 2"/><circle cx="${place(value)}" cy="6" r="3.5" fill="${color}"/></svg>`;
+    return holder.firstChild;
+}
+
+function oracleRow(section, name, figures, color, range) {
+    const row = create("tr"), first = create("td"), bar = create("td"), blind = create("td");
+    if (color) first.append(create("span", "", {class: "swatch", style: `background:${color}`}));
+    first.append(name);
+    if (figures.draws > 1) first.append(create("small", `${large(figures.draws)} draws, figures for one`));
+    bar.append(varianceBar(figures.mean, section.bound.mean, range, color || ink("soft")));
+    if (figures.blind_points) {
+        blind.append(create("span", "never drawn", {class: "badge bad"}),
+                     create("small", `at ${figures.blind_points} points; ${number(100 * figures.lost, 2)} % of the light`));
+    } else if (figures.name) {
+        blind.append(create("span", "all drawn", {class: "badge good"}));
+    }
+    const distance = section.bound.mean > 0 ? "×" + number(figures.mean / section.bound.mean, 3) : "";
+    row.append(first, cell(number(figures.mean)), bar, cell(distance), cell(number(figures.median)),
+               cell(number(figures.upper)), cell(number(figures.largest)), blind);
+    return row;
+}
+
+function makeOracle() {
+    const {oracle} = report;
+    if (!oracle) return;
+    element("oracle").hidden = false;
+    const means = oracle.sections.flatMap((s) => [s.bound, s.unoccluded, ...s.variants].map((f) => f.mean))
+        .filter((x) => x > 0);
+    const range = {low: 0.5 * Math.min(...means), high: 1.5 * Math.max(...means)};
+    const table = element("oracle-table");
+    for (const section of oracle.sections) {
+        const head = create("tr");
+        const title = `${section.points} points ${section.name}`;
+        for (const text of [title, "mean", "from the bound", "times bound", "median", "90 %", "largest",
+                            "lights that contribute"]) head.append(create("th", text));
+        table.append(head, oracleRow(section, "the bound", section.bound, "", range),
+                     oracleRow(section, "best without shadows", section.unoccluded, "", range));
+        section.variants.forEach((v, i) => table.append(oracleRow(section, v.name, v, colorOf(i + 1), range)));
+    }
+    const tested = oracle.tested < oracle.lights ? ` About ${oracle.tested} lights were tested for shadows at each
+        point, chosen by their light without shadows and weighted.` : "";
+    element("oracle-effort").textContent = `${oracle.samples} samples on each of ${oracle.lights} lights.${tested}`;
 }
 
 function writeProvenance() {
@@ -273,4 +329,5 @@ function writeProvenance() {
 writeHeader();
 makeChart();
 makeTable();
+makeOracle();
 writeProvenance();
