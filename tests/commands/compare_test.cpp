@@ -111,6 +111,40 @@ TEST_F(CompareCommandTest, TwinsAreEquallyGood) {
     EXPECT_LT(b["efficiency"]["low"], b["efficiency"]["high"]);
 }
 
+TEST_F(CompareCommandTest, OracleJudgesTheLightSamplers) {
+    std::vector<std::string> words = twins;
+    words.insert(words.end(), {"--oracle", "--oracle-points", "30"});
+    const std::string text = compare(words);
+    EXPECT_NE(text.find(" points seen by the camera"), std::string::npos) << text;
+    const Report json = report();
+    expect_no_null(json, "");
+    ASSERT_EQ(json["oracle"]["sections"].size(), 2);
+    for (const Report& section : json["oracle"]["sections"]) {
+        EXPECT_GT(section["bound"]["mean"], 0);
+        ASSERT_EQ(section["variants"].size(), 3);
+        const Report& variants = section["variants"];
+        EXPECT_EQ(variants[0]["mean"], variants[1]["mean"]);  // twins
+        for (const Report& variant : variants) {
+            EXPECT_GE(variant["mean"], 0.999999 * section["bound"]["mean"].get<double>());
+            EXPECT_EQ(variant["blind_points"], 0);
+        }
+    }
+    refuses({"--vary", "integrator.max_depth=1,2", "--spp", "1", "--oracle"},
+            "--oracle judges light samplers in one scene; integrator.max_depth cannot be varied");
+}
+
+TEST_F(CompareCommandTest, TellsHowManyShadowRaysWereBlocked) {
+    compare(twins);
+    for (const Report& variant : report()["variants"]) {
+        EXPECT_GT(variant["visible"], 0);
+        EXPECT_LT(variant["visible"], 1);
+        for (const Report& run : variant["runs"]) {
+            EXPECT_GT(run["blocked"], 0);
+            EXPECT_LT(run["blocked"], run["occlusions"]);
+        }
+    }
+}
+
 TEST_F(CompareCommandTest, ReferenceIsKeptRefinedAndRefused) {
     compare(twins);
     const std::string kept = read_whole(folder / "out/reference.exr");
