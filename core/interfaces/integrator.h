@@ -6,6 +6,7 @@
 #include "core/interfaces/sampler.h"
 #include "core/plugin/plugin.h"
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,6 +34,10 @@ public:
 
     /// Names of channels beside R, G, B, A, in EXR style: "albedo.R".
     virtual std::vector<std::string> layers() const { return {}; }
+
+    /// Lights are sampled at what the camera sees, itself or in mirrors, and after up to this many
+    /// bounces off other surfaces; -1: nowhere. Light samplers prepare for no more.
+    virtual int light_bounces() const { return std::numeric_limits<int>::max(); }
 };
 
 /// An integrator that estimates radiance along camera rays, one independent sample at a time.

@@ -22,7 +22,7 @@ struct Kind {
 };
 
 constexpr std::array kinds{
-    Kind{"integrator", "integrators", "path"}, Kind{"light_sampler", "light_samplers", "power"},
+    Kind{"integrator", "integrators", "path"}, Kind{"light_sampler", "light_samplers", "cache"},
     Kind{"shape", "shapes", "sphere"},         Kind{"bsdf", "bsdfs", "diffuse"},
     Kind{"emitter", "emitters", "area"},       Kind{"texture", "textures", "checkerboard"},
     Kind{"sensor", "sensors", "perspective"},  Kind{"sampler", "samplers", "sobol"},

@@ -65,6 +65,8 @@ public:
     std::span<Shape* const> shapes() const { return parts_.shapes; }
     Vector3d origin() const { return parts_.origin; }
     std::uint64_t hash() const { return parts_.hash; }
+    /// That may prepare it; 0: all.
+    int threads() const { return parts_.threads; }
     /// Memory of the accelerator [bytes].
     std::size_t accelerator_bytes() const;
 

@@ -66,6 +66,7 @@ public:
         }
     }
 
+    int light_bounces() const override { return image_ ? image_->light_bounces() : -1; }
     std::vector<std::string> layers() const override {
         std::vector<std::string> names = image_ ? image_->layers() : std::vector<std::string>();
         for (const Layer& layer : layers_) {

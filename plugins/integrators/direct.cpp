@@ -15,6 +15,7 @@ public:
         : DirectIntegrator(params, params.int32("shading_samples", 1, {.min = 0, .max = 1 << 16},
                                                 "samples of each strategy unless given below")) {}
 
+    int light_bounces() const override { return 0; }
     void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
                 PixelSample& result) const override;
 
@@ -26,7 +27,7 @@ private:
                                      "samples of the BSDF at each point")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "whether the camera sees emitters")),
-          light_sampler_(params.nested_or<LightSampler>("power", "which lights to sample")) {
+          light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         if (emitter_samples_ + bsdf_samples_ == 0) {
             params.error("emitter_samples",
                          "one of emitter_samples and bsdf_samples must be "

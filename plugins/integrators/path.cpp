@@ -22,12 +22,15 @@ public:
                                  "edges before Russian roulette may end a path")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "whether the camera sees emitters")),
-          light_sampler_(params.nested_or<LightSampler>("power", "which lights to sample")) {}
+          light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {}
 
     void prepare(const Scene&) override {
         dimensions_ = bsdf_dimensions + light_dimensions(light_sampler_);
     }
 
+    int light_bounces() const override {
+        return max_depth_ < 0 ? std::numeric_limits<int>::max() : std::max(max_depth_ - 2, -1);
+    }
     void sample(const Scene& scene, const Ray& camera_ray, SampleStream& stream,
                 PixelSample& result) const override;
 

@@ -27,6 +27,7 @@ class PhotonMapIntegrator final : public Integrator {
 public:
     explicit PhotonMapIntegrator(const Params& params);
 
+    int light_bounces() const override { return 1; }  // off glossy surfaces
     void render(RenderJob& job) const override;
 
 private:
@@ -85,7 +86,7 @@ PhotonMapIntegrator::PhotonMapIntegrator(const Params& params)
                                  {"global", Show::global}},
                                 "the picture, the photons as dots, or one map alone")),
       hide_emitters_(params.boolean("hide_emitters", false, "whether the camera sees emitters")),
-      light_sampler_(params.nested_or<LightSampler>("power", "which lights to sample")) {
+      light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
     lookup_.count = params.int32("lookup_size", 120, {.min = 0, .max = PhotonLookup::max_count},
                                  "nearest photons of an estimate; 0: all within the radius");
     if (lookup_.count == 1) {

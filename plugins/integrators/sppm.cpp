@@ -42,11 +42,12 @@ public:
               "that photons are kept in")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "whether the camera sees emitters")),
-          light_sampler_(params.nested_or<LightSampler>("power", "which lights to sample")) {
+          light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         params.no_effect("max_passes", "the budget of the render is its limit");
         params.no_effect("granularity", "photons are dealt out evenly");
     }
 
+    int light_bounces() const override { return 1; }  // off glossy surfaces
     void render(RenderJob& job) const override;
 
 private:

@@ -90,7 +90,7 @@ void BVHLightSampler::prepare(const Scene& scene) {
                                       .two_sided = bounds.two_sided},
                           .light = i});
     }
-    tree_ = LightTree(std::move(lights));
+    tree_ = LightTree(std::move(lights), Workers(scene.threads()));
     const float size = tree_.empty() ? 0.0f : tree_[0].cluster.box.radius();
     least_distance2_ = std::max(sqr(1e-7f * size), 1e-37f);
     tree_.for_each_path([&](std::uint32_t light, std::uint64_t path) { paths_[light] = path; });

@@ -19,49 +19,57 @@
 #include "plugins/light_samplers/light_cells.h"
 #include "plugins/light_samplers/pilot_paths.h"
 
+#include <atomic>
+
 namespace lucerna {
 
 namespace {
 
 constexpr std::size_t most_lights = 256;
 constexpr std::size_t least_points = 3;  ///< fewer are not worth a cell
+constexpr std::size_t handful = 4;       ///< of lights, which need no cells
+
+/// How draws are shared out at a point, as a thread last found it.
+struct Shares {
+    std::uint64_t owner = 0;  ///< the sampler
+    Receiver at;
+    const LightCell* cell = nullptr;  ///< null: no list
+    float infinite = 0;
+    float far = 0;   ///< of lights that are weighed once
+    float list = 0;  ///< for each unit of weight
+    float tree = 1;
+    alignas(32) float weights[most_lights];  ///< of the lanes of the cell
+};
 
 class CacheLightSampler final : public LightSampler {
 public:
     explicit CacheLightSampler(const Params& params);
 
     void prepare(const Scene& scene) override;
-    std::uint32_t draws() const override { return tree_.empty() && infinite_.empty() ? 0 : draws_; }
+    std::uint32_t draws() const override { return lights_.count() > 0 ? draws_ : 0; }
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;
 
 private:
-    /// How draws are shared out at a point.
-    struct Shares {
-        const LightCell* cell = nullptr;  ///< null: no list
-        float infinite = 0;
-        float list = 0;  ///< for each unit of weight
-        float tree = 1;
-        alignas(32) float weights[most_lights];  ///< of the lights of the cell
-    };
-
-    void make_cells(const CellContext& context, const Workers& workers);
+    void make_cells(const Scene& scene);
     const LightCell* find_cell(const Receiver& at) const;
-    void share_out(const Receiver& at, Shares& shares) const;
+    const Shares& shares_at(const Receiver& at) const;
     std::optional<LightChoice> sample_list(const Shares& shares, double place) const;
-    float infinite_pmf(std::uint32_t light) const;
+    float infinite_pmf(std::uint32_t i) const {
+        return static_cast<float>(lights_.infinite_power.pmf(i));
+    }
 
     std::uint32_t draws_;
     CellOptions options_;
     PilotPaths pilots_;
     float cell_size_;
     std::size_t most_cells_;
-    bool jitter_;
+    float jitter_;
 
-    LightTree8 tree_;
-    std::vector<std::uint32_t> infinite_;
-    DiscreteDistribution infinite_power_;
+    std::uint64_t id_ = 0;
+    SceneLights lights_;
+    std::optional<std::uint32_t> only_;  ///< the light of a scene that has one
     CellGrid grid_;
     std::vector<LightCell> cells_;
 };
@@ -73,41 +81,41 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
     };
     draws_ = count("light_samples", 1, 1024, "lights chosen at each point");
     options_.lights = count("lights", 64, static_cast<int>(most_lights), "lights kept in a cell");
-    options_.rays = count("shadow_rays", 384, 1 << 16, "shadow rays that a cell learns from");
-    options_.candidates = count("candidates", 256, 1 << 16, "lights that a cell considers");
-    pilots_.count = count("paths", 1 << 17, 1 << 24, "paths from the camera that find cells");
+    options_.far_lights = count("far_lights", 1024, 1 << 16, "more, weighed once for the cell");
+    options_.coverage = params.real("coverage", 0.9, unit_interval,
+                                    "of what the candidates bring, by the lights that are weighed at points");
+    options_.rays = count("shadow_rays", 512, 1 << 16, "shadow rays that a cell learns from");
+    options_.candidates = count("candidates", 1024, 1 << 16, "lights that a cell considers");
+    options_.lent_rays = params.real("lent_rays", 4, non_negative,
+                                     "shadow rays that what the cells around have learnt of a "
+                                     "light counts for");
+    options_.least_tail = params.real("least_tail", 0.02, {.min = 1e-3, .max = 0.9},
+                                      "share of draws that is left to the light tree at least");
+    pilots_.count = count("paths", 1 << 17, 1 << 24,
+                          "most paths from the camera that find cells; one for two pixels");
     pilots_.bounces =
         params.int32("bounces", 2, {.min = 0, .max = 16}, "after which those paths end");
-    cell_size_ = params.real("cell_size", 1.0 / 32, {.min = 1e-4, .max = 100},
+    cell_size_ = params.real("cell_size", 1.0 / 64, {.min = 1e-4, .max = 100},
                              "largest edge of a cell, relative to its distance to the camera");
     most_cells_ =
         count("max_cells", 16384, 1 << 20, "cells grow until they are no more than these");
-    jitter_ = params.boolean("jitter", true, "whether points also use the cells beside them");
+    jitter_ = params.real("jitter", 1, unit_interval,
+                          "size of the region around a point, in cells, whose cells it uses");
 }
 
 void CacheLightSampler::prepare(const Scene& scene) {
-    LightList lights(scene);
-    infinite_ = lights.infinite;
-    infinite_power_ = DiscreteDistribution(lights.irradiance);
-    const std::vector<double> irradiance = lights.irradiance;
-    const double unit = lights.unit;
-    const std::size_t finite = lights.finite.size();
-    tree_ = LightTree8(std::move(lights), scene.lights().size());
+    static std::atomic<std::uint64_t> count{0};
+    id_ = ++count;
+    lights_ = SceneLights(scene);
+    only_ = lights_.only_light();
     cells_.clear();
     grid_ = {};
-    if (finite == 0 || finite + infinite_.size() == 1) return;  // nothing to choose from
-    double sum = 0;
-    for (const double e : irradiance) sum += e;
-    make_cells({scene, tree_, infinite_, infinite_power_, sum, unit, finite, options_}, Workers());
+    const bool looks = scene.integrator().light_bounces() >= 0;
+    if (looks && lights_.finite > 0 && lights_.count() > handful) make_cells(scene);
 }
 
-void CacheLightSampler::make_cells(const CellContext& context, const Workers& workers) {
-    const Scene& scene = context.scene;
-    const std::vector<Receiver> points = pilot_receivers(scene, pilots_, workers);
-    const CropWindow crop = scene.sensor().film().crop();
-    const Vector2 middle = Vector2(crop.offset) + 0.5f * Vector2(crop.size);
-    const Vector3 eye = scene.sensor().sample_ray(middle, Vector2(0.5f)).o;
-
+/// Which pilot points lie in which cell.
+struct CellPoints {
     struct Member {
         std::uint64_t key;
         std::uint32_t point;
@@ -115,18 +123,15 @@ void CacheLightSampler::make_cells(const CellContext& context, const Workers& wo
             return key != o.key ? key < o.key : point < o.point;
         }
     };
-    std::vector<Member> members(points.size());
+    std::vector<Member> members;  ///< sorted
     std::vector<std::uint64_t> keys;
     std::vector<std::size_t> starts, ends;
-    for (float size = cell_size_;; size *= 2) {
-        grid_ = CellGrid(eye, scene.bounds(), size);
+
+    CellPoints(const CellGrid& grid, const std::vector<Receiver>& points) {
         for (std::uint32_t i = 0; i < points.size(); ++i) {
-            members[i] = {grid_.key(points[i].p, points[i]), i};
+            members.push_back({grid.key(points[i].p, points[i]), i});
         }
         std::sort(members.begin(), members.end());
-        keys.clear();
-        starts.clear();
-        ends.clear();
         for (std::size_t i = 0, end = 0; i < members.size(); i = end) {
             while (end < members.size() && members[end].key == members[i].key) ++end;
             if (end - i < least_points) continue;
@@ -134,30 +139,72 @@ void CacheLightSampler::make_cells(const CellContext& context, const Workers& wo
             starts.push_back(i);
             ends.push_back(end);
         }
-        if (keys.size() <= most_cells_ || size > 1e4f) break;
     }
-    grid_.index(keys);
-    cells_.resize(keys.size());
-    workers.run(static_cast<std::int64_t>(keys.size()), [&](std::int64_t index) {
-        const auto i = static_cast<std::size_t>(index);
+    /// Some of the points of a cell.
+    std::vector<Receiver> choose(const std::vector<Receiver>& points, std::size_t cell) const {
         constexpr std::size_t most_points = 16;
-        const std::size_t size = ends[i] - starts[i], used = std::min(size, most_points);
+        const std::size_t size = ends[cell] - starts[cell], used = std::min(size, most_points);
         std::vector<Receiver> chosen;
         for (std::size_t k = 0; k < used; ++k) {
-            chosen.push_back(points[members[starts[i] + k * size / used].point]);
+            chosen.push_back(points[members[starts[cell] + k * size / used].point]);
         }
-        const float margin = jitter_ ? 0.5f * grid_.edge(chosen.front().p) : 0.0f;
-        cells_[i] = CellBuilder(context, chosen, margin, keys[i]).build();
+        return chosen;
+    }
+};
+
+void CacheLightSampler::make_cells(const Scene& scene) {
+    const Workers workers(scene.threads());
+    const CropWindow crop = scene.sensor().film().crop();
+    PilotPaths pilots = pilots_;
+    pilots.bounces = std::min(pilots_.bounces, scene.integrator().light_bounces());
+    const std::int64_t pixels = std::int64_t{crop.size.x} * crop.size.y;
+    pilots.count = static_cast<std::uint32_t>(
+        std::min<std::int64_t>(pilots_.count, std::max<std::int64_t>(pixels / 2, 256)));
+    const std::vector<Receiver> points = pilot_receivers(scene, pilots, workers);
+    const Vector2 middle = Vector2(crop.offset) + 0.5f * Vector2(crop.size);
+    const Vector3 eye = scene.sensor().sample_ray(middle, Vector2(0.5f)).o;
+
+    float size = cell_size_;
+    grid_ = CellGrid(eye, scene.bounds(), size);
+    CellPoints cells(grid_, points);
+    while (cells.keys.size() > most_cells_ && size < 1e4f) {
+        size *= 2;
+        grid_ = CellGrid(eye, scene.bounds(), size);
+        cells = CellPoints(grid_, points);
+    }
+    grid_.index(cells.keys);
+    cells_.resize(cells.keys.size());
+    const auto for_each_cell = [&](const auto& task) {
+        workers.run(static_cast<std::int64_t>(cells_.size()), [&](std::int64_t index) {
+            const auto i = static_cast<std::size_t>(index);
+            const std::vector<Receiver> chosen = cells.choose(points, i);
+            const float margin = 0.5f * jitter_ * grid_.edge(chosen.front().p);
+            LightStudy study(scene, lights_, chosen, margin, cells.keys[i]);
+            task(i, study);
+        });
+    };
+    std::vector<std::vector<Candidate>> known(cells_.size());
+    for_each_cell([&](std::size_t i, LightStudy& study) {
+        known[i] = study.candidates(options_.candidates, options_.rays);
+        std::sort(known[i].begin(), known[i].end(),
+                  [](const Candidate& a, const Candidate& b) { return a.light < b.light; });
+    });
+    for_each_cell([&](std::size_t i, LightStudy& study) {
+        std::vector<const std::vector<Candidate>*> around;
+        for (const std::uint32_t k : grid_.neighbours(cells.keys[i])) around.push_back(&known[k]);
+        std::vector<Candidate> mine = known[i];
+        if (options_.lent_rays > 0) borrow(mine, around, options_.lent_rays);
+        cells_[i] = CellBuilder(study, lights_, options_).build(std::move(mine));
     });
 }
 
 const LightCell* CacheLightSampler::find_cell(const Receiver& at) const {
     if (cells_.empty()) return nullptr;
     std::uint32_t cell = CellGrid::none;
-    if (jitter_) {
+    if (jitter_ > 0) {
         const std::uint64_t bits = hash_of(at, 0x6a09e667);
         const Frame frame = Frame::from_normal(at.n);
-        const float edge = grid_.edge(at.p);
+        const float edge = jitter_ * grid_.edge(at.p);
         const Vector2 u(static_cast<float>(bits >> 40) * 0x1p-24f - 0.5f,
                         static_cast<float>(bits >> 8 & 0xffffff) * 0x1p-24f - 0.5f);
         cell = grid_.find(grid_.key(at.p + edge * (u.x * frame.s + u.y * frame.t), at));
@@ -166,75 +213,93 @@ const LightCell* CacheLightSampler::find_cell(const Receiver& at) const {
     return cell == CellGrid::none ? nullptr : &cells_[cell];
 }
 
-void CacheLightSampler::share_out(const Receiver& at, Shares& shares) const {
-    const auto n = static_cast<float>(infinite_.size());
-    shares.infinite = n / (n + (tree_.empty() ? 0.0f : 1.0f));
+const Shares& CacheLightSampler::shares_at(const Receiver& at) const {
+    thread_local Shares shares;
+    if (shares.owner == id_ && is_same_place(shares.at, at)) return shares;
+    shares.owner = id_;
+    shares.at = at;
+    shares.cell = nullptr;
+    shares.infinite = lights_.infinite_share();
     shares.tree = 1 - shares.infinite;
     const LightCell* const cell = find_cell(at);
-    if (!cell) return;
-    const LitPoint lit(at);
-    float total = cell->infinite;
-    for (std::size_t b = 0; b < cell->lanes.size(); ++b) {
-        float* const w = shares.weights + LightLanes::width * b;
-        contributions(cell->lanes[b], lit, w);
-        for (std::size_t k = 0; k < LightLanes::width; ++k) total += w[k];
+    if (!cell) return shares;
+    cell->weigh(LitPoint(at), shares.weights);
+    float total = cell->infinite + cell->far_total();
+    for (std::size_t b = 0; b < cell->blocks(); ++b) {
+        total += LightLanes::sum(shares.weights + LightLanes::width * b);
     }
-    if (!(total > 0)) return;
+    if (!(total > 0)) return shares;
     shares.cell = cell;
     shares.tree = cell->tail;
     shares.list = (1 - cell->tail) / total;
     shares.infinite = cell->infinite * shares.list;
+    shares.far = cell->far_total() * shares.list;
+    return shares;
 }
 
-float CacheLightSampler::infinite_pmf(std::uint32_t i) const {
-    return static_cast<float>(infinite_power_.pmf(i));
-}
-
+/// The light at a place in [0, Σ list · weights).
 std::optional<LightChoice> CacheLightSampler::sample_list(const Shares& shares,
                                                           double place) const {
-    std::size_t chosen = most_lights;
-    double before = 0;
-    for (std::size_t i = 0; i < shares.cell->lights.size(); ++i) {
-        if (!(shares.weights[i] > 0)) continue;
-        if (chosen != most_lights && place < before) break;
-        chosen = i;
-        before += static_cast<double>(shares.list * shares.weights[i]);
+    const auto list = static_cast<double>(shares.list);
+    const std::size_t blocks = shares.cell->blocks();
+    std::size_t block = blocks;  // the last that has light and begins before the place
+    double before = 0, start = 0;
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const auto sum =
+            static_cast<double>(LightLanes::sum(shares.weights + LightLanes::width * b));
+        if (!(sum > 0)) continue;
+        if (block != blocks && place < before) break;
+        block = b;
+        start = before;
+        before += list * sum;
     }
-    if (chosen == most_lights) return {};
+    if (block == blocks) return {};
+    std::size_t chosen = most_lights;
+    for (std::size_t i = LightLanes::width * block; i < LightLanes::width * (block + 1); ++i) {
+        if (!(shares.weights[i] > 0)) continue;
+        if (chosen != most_lights && place < start) break;
+        chosen = i;
+        start += list * static_cast<double>(shares.weights[i]);
+    }
     return LightChoice{shares.cell->lights[chosen],
                        static_cast<float>(draws_) * (shares.list * shares.weights[chosen])};
 }
 
 std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,
                                                      float u) const {
-    Shares shares;
-    share_out(at, shares);
+    if (only_) return LightChoice{*only_, static_cast<float>(draws_)};
+    const Shares& shares = shares_at(at);
     const auto scale = static_cast<float>(draws_);
     double place = fine_number(at, draw, draws_, u);
     const auto infinite = static_cast<double>(shares.infinite);
     if (place < infinite) {
-        const std::uint32_t i = infinite_power_.sample(std::min(place / infinite, 1 - 0x1p-53));
-        return LightChoice{infinite_[i], scale * (shares.infinite * infinite_pmf(i))};
+        const std::uint32_t i =
+            lights_.infinite_power.sample(std::min(place / infinite, 1 - 0x1p-53));
+        return LightChoice{lights_.infinite[i], scale * (shares.infinite * infinite_pmf(i))};
     }
     const auto tree = static_cast<double>(shares.tree);
-    if (shares.cell && place < 1 - tree) return sample_list(shares, place - infinite);
-    const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
-    const auto choice = tree_.sample(LitPoint(at), rest);
-    if (!choice) return {};
-    if (shares.cell) {
-        const std::vector<std::uint32_t>& list = shares.cell->lights;
-        if (std::find(list.begin(), list.end(), choice->light) != list.end()) return {};
+    if (shares.cell && place < infinite + static_cast<double>(shares.far)) {
+        const auto at_far = static_cast<float>((place - infinite) / static_cast<double>(shares.list));
+        const std::size_t i = shares.cell->far_at(at_far);
+        return LightChoice{shares.cell->far[i],
+                           scale * (shares.list * shares.cell->far_weight(i))};
     }
+    if (shares.cell && place < 1 - tree) {
+        return sample_list(shares, place - infinite - static_cast<double>(shares.far));
+    }
+    const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
+    const auto choice = lights_.tree.sample(LitPoint(at), rest);
+    if (!choice || (shares.cell && shares.cell->holds(choice->light))) return {};
     return LightChoice{choice->light, scale * (shares.tree * choice->pmf)};
 }
 
 float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
-    Shares shares;
-    share_out(at, shares);
+    if (only_) return light == *only_ ? static_cast<float>(draws_) : 0.0f;
+    const Shares& shares = shares_at(at);
     const auto scale = static_cast<float>(draws_);
-    const auto found = std::lower_bound(infinite_.begin(), infinite_.end(), light);
-    if (found != infinite_.end() && *found == light) {
-        const auto i = static_cast<std::uint32_t>(found - infinite_.begin());
+    const auto found = std::lower_bound(lights_.infinite.begin(), lights_.infinite.end(), light);
+    if (found != lights_.infinite.end() && *found == light) {
+        const auto i = static_cast<std::uint32_t>(found - lights_.infinite.begin());
         return scale * (shares.infinite * infinite_pmf(i));
     }
     if (shares.cell) {
@@ -243,8 +308,14 @@ float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
         if (kept != list.end()) {
             return scale * (shares.list * shares.weights[kept - list.begin()]);
         }
+        const std::vector<std::uint32_t>& far = shares.cell->far;
+        const auto there = std::lower_bound(far.begin(), far.end(), light);
+        if (there != far.end() && *there == light) {
+            const auto i = static_cast<std::size_t>(there - far.begin());
+            return scale * (shares.list * shares.cell->far_weight(i));
+        }
     }
-    return shares.tree > 0 ? scale * (shares.tree * tree_.pmf(LitPoint(at), light)) : 0.0f;
+    return shares.tree > 0 ? scale * (shares.tree * lights_.tree.pmf(LitPoint(at), light)) : 0.0f;
 }
 
 }  // namespace

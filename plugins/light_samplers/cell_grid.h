@@ -38,6 +38,18 @@ public:
         return key;
     }
 
+    /// The cells of the same size and side around a cell, as far as they exist.
+    std::vector<std::uint32_t> neighbours(std::uint64_t key) const {
+        std::vector<std::uint32_t> result;
+        for (std::uint64_t i = 0; i < 27; ++i) {
+            const std::uint64_t around = key + ((i % 3) << 36) + ((i / 3 % 3) << 18) + i / 9 -
+                                         ((std::uint64_t{1} << 36) + (std::uint64_t{1} << 18) + 1);
+            const std::uint32_t cell = around == key ? none : find(around);
+            if (cell != none) result.push_back(cell);
+        }
+        return result;
+    }
+
     /// Cells in the order of this list.
     void index(const std::vector<std::uint64_t>& keys) {
         slots_.assign(std::bit_ceil(2 * keys.size() + 1), {0, none});

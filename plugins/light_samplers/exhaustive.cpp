@@ -6,7 +6,7 @@
 /// other samplers. The light of an environment counts as if it came from everywhere alike.
 #include "core/interfaces/light_sampler.h"
 #include "plugins/light_samplers/fine_bits.h"
-#include "plugins/light_samplers/light_lanes.h"
+#include "plugins/light_samplers/light_list.h"
 
 #include <atomic>
 
@@ -77,10 +77,7 @@ void ExhaustiveLightSampler::prepare(const Scene& scene) {
 
 const PointWeights& ExhaustiveLightSampler::weights(const Receiver& at) const {
     thread_local PointWeights point;
-    const bool same = point.owner == id_ && point.at.p == at.p && point.at.n == at.n &&
-                      point.at.ns == at.ns && point.at.error == at.error &&
-                      point.at.sides == at.sides;
-    if (same) return point;
+    if (point.owner == id_ && is_same_place(point.at, at)) return point;
     point.owner = id_;
     point.at = at;
     point.weights = infinite_;

@@ -17,6 +17,11 @@ inline std::uint64_t hash_of(const Receiver& at, std::uint64_t salt) {
     return mix64(key);
 }
 
+/// Whether a light sampler sees the same point: what it has computed there, it can use again.
+inline bool is_same_place(const Receiver& a, const Receiver& b) {
+    return a.p == b.p && a.n == b.n && a.ns == b.ns && a.error == b.error && a.sides == b.sides;
+}
+
 /// Number `draw` of `draws` of the point, in [0, 1): strata of equal size, and 29 bits of a hash
 /// behind the 24 bits of `u`, so that a million lights can be told apart.
 inline double fine_number(const Receiver& at, std::uint32_t draw, std::uint32_t draws, float u) {

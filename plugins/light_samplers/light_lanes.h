@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What lights contribute to a point where nothing is in between: eight at once.
+/// What lights contribute to a point where nothing is in between, eight at once.
 ///
 /// A light or cluster of intensity I and normal cone θo in a box of half extents e around c, seen
 /// from x along d = c − x, causes about
@@ -14,9 +14,9 @@
 /// irradiance; no figure knows of shadows.
 #pragma once
 
-#include "core/scene/scene.h"
-#include "plugins/emitters/scene_sphere.h"
 #include "plugins/light_samplers/light_tree.h"
+
+#include <span>
 
 namespace lucerna {
 
@@ -45,13 +45,24 @@ struct alignas(32) LightLanes {
     Lanes two_sided{};  ///< 1: they shine to both sides
     Lanes intensity{};  ///< zero: an empty lane
 
+    /// Of the numbers of eight lanes.
+    static float sum(const float* w) {
+        return ((w[0] + w[1]) + (w[2] + w[3])) + ((w[4] + w[5]) + (w[6] + w[7]));
+    }
     /// Fills a lane. `facing` as above, or -1 to bound it by the box.
     void set(std::size_t lane, const LightCluster& cluster, float facing);
     void copy(std::size_t lane, const LightLanes& from, std::size_t from_lane);
+    /// Whether FlatLanes can hold it: planar, and shining to the whole of one side.
+    bool is_planar(std::size_t lane) const { return facing[lane] < infinity && cos_e[lane] <= 1e-3f; }
 };
 
-/// All eight contributions.
-void contributions(const LightLanes& lights, const LitPoint& at, float* result);
+/// Eight planar lights that shine to one side, as most do: what `contributions` then needs.
+struct alignas(32) FlatLanes {
+    using Lanes = LightLanes::Lanes;
+    Lanes cx{}, cy{}, cz{}, ex{}, ey{}, ez{}, ax{}, ay{}, az{}, facing{}, intensity{};
+
+    void copy(std::size_t lane, const LightLanes& from, std::size_t from_lane);
+};
 
 inline bool is_flat(const LightCluster& c) {
     return c.cos_normals >= 1 - 1e-6f && c.cos_emission >= -1e-4f && !c.two_sided;
@@ -81,28 +92,49 @@ inline void LightLanes::copy(std::size_t i, const LightLanes& o, std::size_t k) 
     facing[i] = o.facing[k], two_sided[i] = o.two_sided[k], intensity[i] = o.intensity[k];
 }
 
-inline void contributions(const LightLanes& l, const LitPoint& at, float* __restrict result) {
-    const Vector3 p = at.p, n = at.n, ns = at.ns, abs_n = glm::abs(n);
-    const float two_sided = at.two_sided, slack = at.slack, spread = at.spread;
-    // The largest of the second and the first, or minus the first if both sides count.
-    const auto sided = [](float x, float both) { return std::max(x, both * -x); };
-    for (std::size_t i = 0; i < LightLanes::width; ++i) {
-        const float dx = l.cx[i] - p.x, dy = l.cy[i] - p.y, dz = l.cz[i] - p.z;
-        const float ex = l.ex[i] + slack, ey = l.ey[i] + slack, ez = l.ez[i] + slack;
-        const float d2 = std::max(dx * dx + dy * dy + dz * dz, 1e-30f);
-        const float r2 = ex * ex + ey * ey + ez * ez;
-        const float inverse = 1 / std::sqrt(d2);
-        const float distance = d2 * inverse;
-        const float near2 = std::max(d2, 0.5f * r2);
+inline void FlatLanes::copy(std::size_t i, const LightLanes& o, std::size_t k) {
+    cx[i] = o.cx[k], cy[i] = o.cy[k], cz[i] = o.cz[k];
+    ex[i] = o.ex[k], ey[i] = o.ey[k], ez[i] = o.ez[k];
+    ax[i] = o.ax[k], ay[i] = o.ay[k], az[i] = o.az[k];
+    facing[i] = o.facing[k], intensity[i] = o.intensity[k];
+}
 
-        const float dn = sided(dx * n.x + dy * n.y + dz * n.z, two_sided);
-        const float extent = abs_n.x * ex + abs_n.y * ey + abs_n.z * ez;
-        const float above = dn + extent + (spread + 1e-5f) * distance;
-        const float dns = sided(dx * ns.x + dy * ns.y + dz * ns.z, two_sided) + spread * distance;
-        const float cos_i = std::min(std::max(dns, 0.25f * above) / std::sqrt(near2), 1.0f);
+namespace light_lanes {
 
-        const float height = sided(-(dx * l.ax[i] + dy * l.ay[i] + dz * l.az[i]), l.two_sided[i]);
-        const float in_front = height + l.facing[i] + slack + 1e-6f * distance;
+/// The larger of x and, if both sides count, −x.
+[[gnu::always_inline]] inline float sided(float x, float both) { return std::max(x, both * -x); }
+
+/// The contribution of one lane. Always inline: the loops around it are compiled for more than one
+/// instruction set.
+template <typename Lights>
+[[gnu::always_inline]] inline float contribution(const Lights& l, std::size_t i, const LitPoint& at,
+                                                 Vector3 abs_n) {
+    constexpr bool flat = std::is_same_v<Lights, FlatLanes>;
+    const float dx = l.cx[i] - at.p.x, dy = l.cy[i] - at.p.y, dz = l.cz[i] - at.p.z;
+    const float ex = l.ex[i] + at.slack, ey = l.ey[i] + at.slack, ez = l.ez[i] + at.slack;
+    const float d2 = std::max(dx * dx + dy * dy + dz * dz, 1e-30f);
+    const float r2 = ex * ex + ey * ey + ez * ez;
+    const float inverse = 1 / std::sqrt(d2);
+    const float distance = d2 * inverse;
+    const float inverse_near = 1 / std::sqrt(std::max(d2, 0.5f * r2));
+
+    const float dn = sided(dx * at.n.x + dy * at.n.y + dz * at.n.z, at.two_sided);
+    const float extent = abs_n.x * ex + abs_n.y * ey + abs_n.z * ez;
+    const float above = dn + extent + (at.spread + 1e-5f) * distance;
+    const float dns =
+        sided(dx * at.ns.x + dy * at.ns.y + dz * at.ns.z, at.two_sided) + at.spread * distance;
+    const float cos_i = std::min(std::max(dns, 0.25f * above) * inverse_near, 1.0f);
+
+    const float toward = -(dx * l.ax[i] + dy * l.ay[i] + dz * l.az[i]);
+    bool possible = above > 0;
+    float emitted;
+    if constexpr (flat) {
+        const float in_front = toward + l.facing[i] + at.slack + 1e-6f * distance;
+        emitted = std::min(std::max(in_front * inverse, 1e-5f), 1.0f);
+        possible = possible & (in_front > 0);
+    } else {
+        const float height = sided(toward, l.two_sided[i]);
+        const float in_front = height + l.facing[i] + at.slack + 1e-6f * distance;
         const float cos_w = std::min(height * inverse, 1.0f);
         const float sin_w = std::sqrt(std::max(1 - cos_w * cos_w, 0.0f));
         const float cos_o = l.cos_o[i], sin_o = l.sin_o[i];
@@ -112,76 +144,50 @@ inline void contributions(const LightLanes& l, const LitPoint& at, float* __rest
         const float sin_b = std::min(std::sqrt(r2) * inverse, 1.0f);
         const float cos_b = r2 >= d2 ? -1.0f : std::sqrt(std::max(1 - sin_b * sin_b, 0.0f));
         const float cos_emitted = cos_x > cos_b ? 1.0f : cos_x * cos_b + sin_x * sin_b;
-        const float emitted = std::max(std::min(cos_emitted, in_front * inverse), 1e-5f);
-
-        const float value = l.intensity[i] * emitted * cos_i / near2;
-        const bool possible = (above > 0) & (in_front > 0) & (cos_emitted > l.cos_e[i]);
-        result[i] = possible ? value : 0.0f;
+        emitted = std::max(std::min(cos_emitted, in_front * inverse), 1e-5f);
+        possible = possible & (in_front > 0) & (cos_emitted > l.cos_e[i]);
     }
+    const float value = l.intensity[i] * emitted * cos_i * (inverse_near * inverse_near);
+    return possible ? value : 0.0f;
 }
 
-/// The lights of the scene that shine, in the form that samplers need. The unit of intensity is
-/// that of the strongest of those that are somewhere.
-struct LightList {
-    std::vector<TreeLight> finite;  ///< with intensities for powers
-    std::vector<float> facing;      ///< of each of `finite`
-    std::vector<std::uint32_t> infinite;
-    std::vector<double> irradiance;  ///< of each of `infinite`, facing it, in units
-    double unit = 0;                 ///< [W/sr]
-
-    explicit LightList(const Scene& scene);
-
-private:
-    void add(const Light& light, std::uint32_t index, const LightBounds& bounds);
-};
-
-/// Where the plane of a planar emitter is, seen from the centre of its box along the normal.
-inline float plane_of(const Light& light, const LightCluster& cluster) {
-    if (!is_flat(cluster)) return infinity;
-    if (!light.shape) return 0;
-    const Vector3 center = cluster.box.center();
-    const SurfaceSample at = light.shape->sample_area(light.primitive, Vector2(0.5f));
-    const float rounding =
-        4 * at.error + 1e-4f * cluster.box.radius() + 0x1p-21f * max_component(glm::abs(center));
-    return glm::dot(center - at.p, cluster.axis) + rounding;
-}
-
-inline void LightList::add(const Light& light, std::uint32_t index, const LightBounds& bounds) {
-    const float cos_normals = std::clamp(bounds.cos_normals, -1.0f, 1.0f);
-    const float measure = emission_measure(cos_normals, bounds.cos_emission);
-    const double sides = bounds.two_sided ? 2 : 1;
-    const double intensity = bounds.power / (sides * std::max(static_cast<double>(measure), 1e-9));
-    unit = std::max(unit, intensity);
-    finite.push_back({.cluster = {.box = bounds.box,
-                                  .axis = bounds.axis,
-                                  .cos_normals = cos_normals,
-                                  .cos_emission = bounds.cos_emission - 1e-5f,
-                                  .power = static_cast<float>(std::min(intensity, 1e30)),
-                                  .two_sided = bounds.two_sided},
-                      .light = index});
-    facing.push_back(plane_of(light, finite.back().cluster));
-}
-
-inline LightList::LightList(const Scene& scene) {
-    const double area = static_cast<double>(SceneSphere(scene).cross_section());
-    for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-        const Light& light = scene.lights()[i];
-        const LightBounds bounds = light.emitter->bounds(light);
-        if (!(bounds.power > 0)) continue;
-        if (!light.emitter->infinite()) {
-            add(light, i, bounds);
-            continue;
+template <typename Lights>
+[[gnu::always_inline]] inline void contributions(const Lights* lights, std::size_t blocks,
+                                                 const LitPoint& at, float* __restrict result) {
+    const LitPoint local = at;  // which `result` cannot overlap
+    const Vector3 abs_n = glm::abs(local.n);
+    for (std::size_t b = 0; b < blocks; ++b) {
+        for (std::size_t i = 0; i < LightLanes::width; ++i) {
+            result[LightLanes::width * b + i] = contribution(lights[b], i, local, abs_n);
         }
-        // An environment as if it were the same everywhere; a direction from where it comes.
-        infinite.push_back(i);
-        irradiance.push_back((light.emitter->delta() ? 1 : 0.25) * bounds.power / area);
     }
-    if (!(unit > 0)) unit = 1;
-    for (double& e : irradiance) e /= unit;
-    for (TreeLight& light : finite) {
-        const double power = static_cast<double>(light.cluster.power) / unit;
-        light.cluster.power = static_cast<float>(std::max(power, 1e-25));
+}
+
+#if defined(__x86_64__)
+/// The same operations on the same numbers, in registers of eight: the same bits.
+template <typename Lights>
+[[gnu::target("avx2")]] void contributions_avx2(const Lights* lights, std::size_t blocks,
+                                                const LitPoint& at, float* __restrict result) {
+    contributions(lights, blocks, at, result);
+}
+inline const bool has_avx2 = __builtin_cpu_supports("avx2");
+#endif
+
+}  // namespace light_lanes
+
+/// The contributions of all lanes of some blocks of lights, to `result` in their order.
+template <typename Lights>
+void contributions(std::span<const Lights> lights, const LitPoint& at, float* __restrict result) {
+#if defined(__x86_64__)
+    if (light_lanes::has_avx2) {
+        light_lanes::contributions_avx2(lights.data(), lights.size(), at, result);
+        return;
     }
+#endif
+    light_lanes::contributions(lights.data(), lights.size(), at, result);
+}
+inline void contributions(const LightLanes& lights, const LitPoint& at, float* __restrict result) {
+    contributions(std::span(&lights, 1), at, result);
 }
 
 }  // namespace lucerna

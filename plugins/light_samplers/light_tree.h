@@ -96,7 +96,9 @@ public:
     };
 
     LightTree() = default;
-    explicit LightTree(std::vector<TreeLight> lights) : lights_(std::move(lights)) { build(); }
+    LightTree(std::vector<TreeLight> lights, const Workers& workers) : lights_(std::move(lights)) {
+        build(workers);
+    }
 
     bool empty() const { return nodes_.empty(); }
     const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
@@ -124,7 +126,7 @@ private:
         }
     };
 
-    void build();
+    void build(const Workers& workers);
     void build_below(const Range& range);
     std::array<Range, 2> divide(const Range& range);
     Split best_split(const Range& range) const;
@@ -133,7 +135,7 @@ private:
     std::vector<Node> nodes_;
 };
 
-inline void LightTree::build() {
+inline void LightTree::build(const Workers& workers) {
     if (lights_.empty()) return;
     const auto count = static_cast<std::uint32_t>(lights_.size());
     nodes_.resize(2 * std::size_t{count} - 1);
@@ -149,8 +151,8 @@ inline void LightTree::build() {
         }
         for (const Range& part : divide(range)) open.push_back(part);
     }
-    Workers().run(static_cast<std::int64_t>(ready.size()),
-                  [&](std::int64_t i) { build_below(ready[static_cast<std::size_t>(i)]); });
+    workers.run(static_cast<std::int64_t>(ready.size()),
+                [&](std::int64_t i) { build_below(ready[static_cast<std::size_t>(i)]); });
     for (std::size_t i = nodes_.size(); i-- > 0;) {
         Node& node = nodes_[i];
         if (node.leaf) continue;

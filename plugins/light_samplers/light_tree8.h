@@ -6,7 +6,7 @@
 /// are eight. Leaves are weighed like single lights, with their exact planes.
 #pragma once
 
-#include "plugins/light_samplers/light_lanes.h"
+#include "plugins/light_samplers/light_list.h"
 
 namespace lucerna {
 
@@ -30,7 +30,7 @@ public:
 
     LightTree8() = default;
     /// Of lights whose indices in the scene are below `light_count`.
-    LightTree8(LightList lights, std::size_t light_count);
+    LightTree8(LightList lights, std::size_t light_count, const Workers& workers);
 
     bool empty() const { return nodes_.empty(); }
     const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
@@ -49,9 +49,6 @@ public:
 
 private:
     using Weights = float[LightLanes::width];
-    static float sum(const Weights& w) {
-        return ((w[0] + w[1]) + (w[2] + w[3])) + ((w[4] + w[5]) + (w[6] + w[7]));
-    }
     std::uint32_t collapse(const LightTree& binary, std::uint32_t root, std::uint32_t parent,
                            std::size_t slot, const std::vector<float>& facing,
                            const std::vector<float>& strongest);
@@ -60,14 +57,14 @@ private:
     std::vector<std::uint32_t> place_;  ///< of each light of the scene: 8 · node + lane
 };
 
-inline LightTree8::LightTree8(LightList lights, std::size_t light_count)
+inline LightTree8::LightTree8(LightList lights, std::size_t light_count, const Workers& workers)
     : place_(light_count, none) {
     if (lights.finite.empty()) return;
     std::vector<float> facing(light_count);
     for (std::size_t i = 0; i < lights.finite.size(); ++i) {
         facing[lights.finite[i].light] = lights.facing[i];
     }
-    const LightTree binary(std::move(lights.finite));
+    const LightTree binary(std::move(lights.finite), workers);
     std::vector<float> strongest(binary.size());
     for (std::uint32_t i = binary.size(); i-- > 0;) {
         const LightTree::Node& node = binary[i];
@@ -125,7 +122,7 @@ inline std::optional<LightTree8::Choice> LightTree8::sample(const LitPoint& at, 
         const Node& node = nodes_[index];
         Weights w;
         contributions(node.lanes, at, w);
-        const float total = sum(w);
+        const float total = LightLanes::sum(w);
         if (!(total > 0)) break;
         const double place = u * static_cast<double>(total);
         double before = 0;
@@ -161,7 +158,7 @@ inline float LightTree8::pmf(const LitPoint& at, std::uint32_t light) const {
     while (length-- > 0 && pmf > 0) {
         Weights w;
         contributions(nodes_[path[length] / 8].lanes, at, w);
-        const float total = sum(w);
+        const float total = LightLanes::sum(w);
         if (!(total > 0)) return 0;
         pmf *= w[path[length] % 8] / total;
     }

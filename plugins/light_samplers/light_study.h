@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Which lights reach a region of the scene, learnt with shadow rays before rendering.
+///
+/// Candidates are found in the light tree, best first, by bounds over the whole region, so that
+/// lights next to it are never missed. Shadow rays from points of the region then learn how much
+/// of the unoccluded contribution arrives; more rays go to lights that matter and are little
+/// known. A study depends on nothing but the points of its region.
+#pragma once
+
+#include "core/math/distribution.h"
+#include "plugins/light_samplers/light_list.h"
+#include "plugins/light_samplers/light_tree8.h"
+
+#include <queue>
+
+namespace lucerna {
+
+/// The lights of a scene: a tree of those that are somewhere, a distribution of those at infinity.
+struct SceneLights {
+    LightTree8 tree;
+    std::size_t finite = 0;               ///< lights in the tree
+    std::vector<std::uint32_t> infinite;  ///< lights at infinity
+    DiscreteDistribution infinite_power;
+    double infinite_irradiance = 0;  ///< that they are expected to cause together
+    double unit = 1;                 ///< irradiance that counts as 1
+
+    SceneLights() = default;
+    explicit SceneLights(const Scene& scene) {
+        LightList lights(scene);
+        finite = lights.finite.size();
+        infinite = lights.infinite;
+        infinite_power = DiscreteDistribution(lights.irradiance);
+        for (const double e : lights.irradiance) infinite_irradiance += e;
+        unit = lights.unit;
+        tree = LightTree8(std::move(lights), scene.lights().size(), Workers(scene.threads()));
+    }
+
+    std::size_t count() const { return finite + infinite.size(); }
+    std::optional<std::uint32_t> only_light() const {
+        if (count() != 1) return {};
+        return finite == 1 ? tree[0].link[0] : infinite.front();
+    }
+    /// Share of those at infinity where nothing else is known, after pbrt-v4.
+    float infinite_share() const {
+        const auto n = static_cast<float>(infinite.size());
+        return n / (n + (finite > 0 ? 1.0f : 0.0f));
+    }
+};
+
+/// A light that may matter in a region.
+struct Candidate {
+    std::uint32_t light = 0;
+    float mean = 0;  ///< unoccluded contribution, over the points
+    float rays = 0;
+    float arrived = 0;  ///< sum over rays of the fraction that arrived
+    float prior = 0;    ///< of that fraction, for those with few rays
+    float prior_rays = 0.8f;
+
+    /// What arrives of its unoccluded contribution.
+    float visibility() const { return (arrived + prior_rays * prior) / (rays + prior_rays); }
+    float value() const { return mean * visibility(); }
+};
+
+class LightStudy {
+public:
+    /// `points` are receivers of the region; others may be as far as `margin` from them.
+    LightStudy(const Scene& scene, const SceneLights& lights, std::span<const Receiver> points,
+               float margin, std::uint64_t seed)
+        : scene_(scene), lights_(lights), points_(points), rng_(seed) {
+        for (const Receiver& at : points) lit_.emplace_back(at);
+        bound_region(margin);
+    }
+
+    /// The lights that may matter most, with what `rays` shadow rays tell of them.
+    std::vector<Candidate> candidates(std::size_t count, std::size_t rays) {
+        find_candidates(count);
+        weigh_candidates();
+        trace_rounds(rays);
+        return std::move(candidates_);
+    }
+
+    std::span<const LitPoint> points() const { return lit_; }
+    Rng& rng() { return rng_; }
+    /// Irradiance that one sample of a light brings to a point, in units; zero if it is blocked.
+    double arriving(std::uint32_t light, std::size_t point);
+
+private:
+    void bound_region(float margin);
+    float nearest(const LightLanes& lanes, std::size_t i) const;
+    void find_candidates(std::size_t count);
+    void weigh_candidates();
+    void trace(std::size_t candidate);
+    void trace_rounds(std::size_t rays);
+    std::size_t stride() const { return (candidates_.size() + 7) / 8 * 8; }
+
+    const Scene& scene_;
+    const SceneLights& lights_;
+    std::span<const Receiver> points_;
+    std::vector<LitPoint> lit_;
+    LitPoint region_;
+    std::vector<Candidate> candidates_;
+    std::vector<float> weights_;  ///< of each candidate: contribution at each point
+    Rng rng_;
+};
+
+inline void LightStudy::bound_region(float margin) {
+    Vector3 center(0), normal(0);
+    for (const LitPoint& at : lit_) {
+        center += at.p / static_cast<float>(lit_.size());
+        normal += at.n;
+    }
+    region_.two_sided = lit_.front().two_sided;
+    const float length = glm::length(normal);
+    region_.n = region_.ns = length > 0 ? normal / length : lit_.front().n;
+    float radius = 0, cosine = 1;
+    for (const LitPoint& at : lit_) {
+        radius = std::max(radius, glm::length(at.p - center) + at.slack);
+        cosine = std::min(cosine, glm::dot(at.n, region_.n));
+    }
+    region_.p = center;
+    region_.slack = radius + margin;
+    region_.spread = cosine > 0 ? safe_sqrt(1 - sqr(cosine)) : 1.0f;
+}
+
+/// How much larger the contribution of a light is if it is where the box of its cluster comes
+/// nearest to the region, and not in the middle.
+inline float LightStudy::nearest(const LightLanes& l, std::size_t i) const {
+    const Vector3 d = glm::abs(Vector3(l.cx[i], l.cy[i], l.cz[i]) - region_.p);
+    const Vector3 e(l.ex[i], l.ey[i], l.ez[i]);
+    const Vector3 inflated = e + region_.slack, gap = glm::max(d - e, Vector3(0));
+    const float middle2 = std::max(glm::dot(d, d), 0.5f * glm::dot(inflated, inflated));
+    return middle2 / std::max(glm::dot(gap, gap), std::max(1.5f * sqr(region_.slack), 1e-30f));
+}
+
+/// Best first, by a bound of what the strongest light of a cluster contributes anywhere.
+inline void LightStudy::find_candidates(std::size_t count) {
+    struct Entry {
+        float bound;
+        std::uint32_t link;
+        bool leaf;
+        bool operator<(const Entry& o) const {
+            return bound != o.bound ? bound < o.bound : link > o.link;
+        }
+    };
+    if (lights_.tree.empty()) return;
+    std::priority_queue<Entry> open;
+    open.push({infinity, 0, false});
+    while (!open.empty() && candidates_.size() < count) {
+        const Entry entry = open.top();
+        open.pop();
+        if (entry.leaf) {
+            candidates_.push_back({.light = entry.link});
+            continue;
+        }
+        const LightTree8::Node& node = lights_.tree[entry.link];
+        float bounds[LightLanes::width];
+        contributions(node.lanes, region_, bounds);
+        for (std::size_t i = 0; i < node.count; ++i) {
+            const bool leaf = node.leaves >> i & 1;
+            const float bound = bounds[i] * node.strongest[i] * nearest(node.lanes, i);
+            if (bound > 0) open.push({bound, node.link[i], leaf});
+        }
+    }
+}
+
+inline void LightStudy::weigh_candidates() {
+    std::vector<LightLanes> lanes(stride() / 8);
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+        const auto [from, lane] = lights_.tree.lane(candidates_[i].light);
+        lanes[i / 8].copy(i % 8, *from, lane);
+    }
+    const std::span<const LightLanes> blocks = lanes;
+    const std::size_t points = lit_.size();
+    weights_.resize(stride() * points);
+    std::vector<float> all(stride());
+    for (std::size_t p = 0; p < points; ++p) {
+        contributions(blocks, lit_[p], all.data());
+        for (std::size_t i = 0; i < all.size(); ++i) weights_[i * points + p] = all[i];
+    }
+    // Lights near the region may be brighter where there is no point.
+    contributions(blocks, region_, all.data());
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+        float sum = 0;
+        for (std::size_t p = 0; p < points; ++p) sum += weights_[i * points + p];
+        candidates_[i].mean = std::max(sum / static_cast<float>(points), 0.1f * all[i]);
+    }
+}
+
+inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
+    const Light& light = scene_.lights()[index];
+    const Vector2 u = rng_.next_float2();
+    const Receiver& at = points_[point];
+    const auto sample = light.emitter->sample_li(light, at, u);
+    if (!sample || !(sample->pdf > 0)) return 0;
+    const LitPoint& lit = lit_[point];
+    const float cosine = glm::dot(sample->wi, lit.ns);
+    const float side = glm::dot(sample->wi, lit.n) * cosine;
+    if (!(side > 0) || !(lit.two_sided > 0 || cosine > 0)) return 0;
+    const double value = static_cast<double>(luminance(sample->radiance)) *
+                         static_cast<double>(std::abs(cosine) / sample->pdf) / lights_.unit;
+    if (!(value > 0) || !std::isfinite(value)) return 0;
+    return scene_.occluded(at, *sample) ? 0.0 : value;
+}
+
+/// One ray to a candidate, from a point drawn in proportion to the contribution there.
+inline void LightStudy::trace(std::size_t i) {
+    const float* const weights = &weights_[i * lit_.size()];
+    float total = 0;
+    for (std::size_t p = 0; p < lit_.size(); ++p) total += weights[p];
+    float place = rng_.next_float() * total;
+    std::size_t point = lit_.size();
+    for (std::size_t p = 0; p < lit_.size(); ++p) {
+        const float w = weights[p];
+        if (!(w > 0)) continue;
+        point = p;
+        if (place < w) break;
+        place -= w;
+    }
+    candidates_[i].rays += 1;
+    if (point == lit_.size()) return;
+    const double fraction = arriving(candidates_[i].light, point) /
+                            static_cast<double>(weights[point]);
+    candidates_[i].arrived += static_cast<float>(std::min(fraction, 2.0));
+}
+
+inline void LightStudy::trace_rounds(std::size_t left) {
+    if (candidates_.empty()) return;
+    const std::size_t first = std::min(candidates_.size(), left / 3);  // best first
+    for (std::size_t i = 0; i < first; ++i) trace(i);
+    left -= first;
+    float arrived = 1, rays_traced = 2;
+    for (const Candidate& c : candidates_) arrived += c.arrived, rays_traced += c.rays;
+    for (Candidate& c : candidates_) c.prior = std::min(arrived / rays_traced, 1.0f);
+    for (std::size_t rounds = 4; rounds > 0 && left > 0; --rounds) {
+        std::vector<double> wanted;
+        double total = 0;
+        for (const Candidate& c : candidates_) {
+            wanted.push_back(static_cast<double>(c.mean * std::sqrt(c.visibility() / (1 + c.rays))));
+            total += wanted.back();
+        }
+        if (!(total > 0)) return;
+        const std::size_t rays = left / rounds;
+        double owed = rng_.next_double();
+        for (std::size_t i = 0; i < candidates_.size(); ++i) {
+            owed += static_cast<double>(rays) * wanted[i] / total;
+            for (; owed >= 1; owed -= 1) trace(i);
+        }
+        left -= rays;
+    }
+}
+
+}  // namespace lucerna
