@@ -35,7 +35,6 @@ struct Shares {
     Receiver at;
     const LightCell* cell = nullptr;  ///< null: no list
     float infinite = 0;
-    float far = 0;   ///< of lights that are weighed once
     float list = 0;  ///< for each unit of weight
     float tree = 1;
     alignas(32) float weights[most_lights];  ///< of the lanes of the cell
@@ -55,7 +54,7 @@ private:
     void make_cells(const Scene& scene);
     const LightCell* find_cell(const Receiver& at) const;
     const Shares& shares_at(const Receiver& at) const;
-    std::optional<LightChoice> sample_list(const Shares& shares, double place) const;
+    std::optional<LightChoice> sample_lists(const Shares& shares, double place) const;
     float infinite_pmf(std::uint32_t i) const {
         return static_cast<float>(lights_.infinite_power.pmf(i));
     }
@@ -81,11 +80,13 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
     };
     draws_ = count("light_samples", 1, 1024, "lights chosen at each point");
     options_.lights = count("lights", 64, static_cast<int>(most_lights), "lights kept in a cell");
-    options_.far_lights = count("far_lights", 1024, 1 << 16, "more, weighed once for the cell");
-    options_.coverage = params.real("coverage", 0.9, unit_interval,
-                                    "of what the candidates bring, by the lights that are weighed at points");
+    options_.far_lights = static_cast<std::size_t>(params.int32(
+        "far_lights", 1024, {.min = 0, .max = 1 << 16}, "more, weighed once for the cell"));
+    options_.coverage =
+        params.real("coverage", 0.9, unit_interval,
+                    "of what the candidates bring, by the lights that are weighed at points");
     options_.rays = count("shadow_rays", 512, 1 << 16, "shadow rays that a cell learns from");
-    options_.candidates = count("candidates", 1024, 1 << 16, "lights that a cell considers");
+    options_.candidates = count("candidates", 512, 1 << 16, "lights that a cell considers");
     options_.lent_rays = params.real("lent_rays", 4, non_negative,
                                      "shadow rays that what the cells around have learnt of a "
                                      "light counts for");
@@ -97,8 +98,7 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
         params.int32("bounces", 2, {.min = 0, .max = 16}, "after which those paths end");
     cell_size_ = params.real("cell_size", 1.0 / 64, {.min = 1e-4, .max = 100},
                              "largest edge of a cell, relative to its distance to the camera");
-    most_cells_ =
-        count("max_cells", 16384, 1 << 20, "cells grow until they are no more than these");
+    most_cells_ = count("max_cells", 8192, 1 << 20, "cells grow until they are no more than these");
     jitter_ = params.real("jitter", 1, unit_interval,
                           "size of the region around a point, in cells, whose cells it uses");
 }
@@ -154,21 +154,14 @@ struct CellPoints {
 
 void CacheLightSampler::make_cells(const Scene& scene) {
     const Workers workers(scene.threads());
-    const CropWindow crop = scene.sensor().film().crop();
-    PilotPaths pilots = pilots_;
-    pilots.bounces = std::min(pilots_.bounces, scene.integrator().light_bounces());
-    const std::int64_t pixels = std::int64_t{crop.size.x} * crop.size.y;
-    pilots.count = static_cast<std::uint32_t>(
-        std::min<std::int64_t>(pilots_.count, std::max<std::int64_t>(pixels / 2, 256)));
-    const std::vector<Receiver> points = pilot_receivers(scene, pilots, workers);
-    const Vector2 middle = Vector2(crop.offset) + 0.5f * Vector2(crop.size);
-    const Vector3 eye = scene.sensor().sample_ray(middle, Vector2(0.5f)).o;
+    const std::vector<Receiver> points = pilot_receivers(scene, pilots_.within(scene), workers);
+    const Vector3 eye = eye_of(scene);
 
     float size = cell_size_;
     grid_ = CellGrid(eye, scene.bounds(), size);
     CellPoints cells(grid_, points);
     while (cells.keys.size() > most_cells_ && size < 1e4f) {
-        size *= 2;
+        size *= 1.25f;
         grid_ = CellGrid(eye, scene.bounds(), size);
         cells = CellPoints(grid_, points);
     }
@@ -179,7 +172,7 @@ void CacheLightSampler::make_cells(const Scene& scene) {
             const auto i = static_cast<std::size_t>(index);
             const std::vector<Receiver> chosen = cells.choose(points, i);
             const float margin = 0.5f * jitter_ * grid_.edge(chosen.front().p);
-            LightStudy study(scene, lights_, chosen, margin, cells.keys[i]);
+            LightStudy study(scene, lights_, chosen, margin, false, cells.keys[i]);
             task(i, study);
         });
     };
@@ -202,12 +195,8 @@ const LightCell* CacheLightSampler::find_cell(const Receiver& at) const {
     if (cells_.empty()) return nullptr;
     std::uint32_t cell = CellGrid::none;
     if (jitter_ > 0) {
-        const std::uint64_t bits = hash_of(at, 0x6a09e667);
-        const Frame frame = Frame::from_normal(at.n);
-        const float edge = jitter_ * grid_.edge(at.p);
-        const Vector2 u(static_cast<float>(bits >> 40) * 0x1p-24f - 0.5f,
-                        static_cast<float>(bits >> 8 & 0xffffff) * 0x1p-24f - 0.5f);
-        cell = grid_.find(grid_.key(at.p + edge * (u.x * frame.s + u.y * frame.t), at));
+        const Vector3 p = jittered(at, grid_.relative(at.p), jitter_ * grid_.edge(at.p));
+        cell = grid_.find(grid_.key(p, at));
     }
     if (cell == CellGrid::none) cell = grid_.find(grid_.key(at.p, at));
     return cell == CellGrid::none ? nullptr : &cells_[cell];
@@ -223,46 +212,32 @@ const Shares& CacheLightSampler::shares_at(const Receiver& at) const {
     shares.tree = 1 - shares.infinite;
     const LightCell* const cell = find_cell(at);
     if (!cell) return shares;
-    cell->weigh(LitPoint(at), shares.weights);
-    float total = cell->infinite + cell->far_total();
-    for (std::size_t b = 0; b < cell->blocks(); ++b) {
-        total += LightLanes::sum(shares.weights + LightLanes::width * b);
-    }
+    cell->near.weigh(LitPoint(at), shares.weights);
+    const float total = cell->infinite + cell->far.total() + cell->near.total(shares.weights);
     if (!(total > 0)) return shares;
     shares.cell = cell;
     shares.tree = cell->tail;
     shares.list = (1 - cell->tail) / total;
     shares.infinite = cell->infinite * shares.list;
-    shares.far = cell->far_total() * shares.list;
     return shares;
 }
 
-/// The light at a place in [0, Σ list · weights).
-std::optional<LightChoice> CacheLightSampler::sample_list(const Shares& shares,
-                                                          double place) const {
-    const auto list = static_cast<double>(shares.list);
-    const std::size_t blocks = shares.cell->blocks();
-    std::size_t block = blocks;  // the last that has light and begins before the place
-    double before = 0, start = 0;
-    for (std::size_t b = 0; b < blocks; ++b) {
-        const auto sum =
-            static_cast<double>(LightLanes::sum(shares.weights + LightLanes::width * b));
-        if (!(sum > 0)) continue;
-        if (block != blocks && place < before) break;
-        block = b;
-        start = before;
-        before += list * sum;
+/// The light at a place in [0, total weight of the lists).
+std::optional<LightChoice> CacheLightSampler::sample_lists(const Shares& shares,
+                                                           double place) const {
+    const LightCell& cell = *shares.cell;
+    const auto scale = static_cast<float>(draws_);
+    const auto far = static_cast<double>(cell.far.total());
+    if (place >= far) {
+        const std::size_t lane = cell.near.draw(shares.weights, place - far);
+        if (lane < cell.near.lights().size()) {
+            return LightChoice{cell.near.lights()[lane],
+                               scale * (shares.list * shares.weights[lane])};
+        }
     }
-    if (block == blocks) return {};
-    std::size_t chosen = most_lights;
-    for (std::size_t i = LightLanes::width * block; i < LightLanes::width * (block + 1); ++i) {
-        if (!(shares.weights[i] > 0)) continue;
-        if (chosen != most_lights && place < start) break;
-        chosen = i;
-        start += list * static_cast<double>(shares.weights[i]);
-    }
-    return LightChoice{shares.cell->lights[chosen],
-                       static_cast<float>(draws_) * (shares.list * shares.weights[chosen])};
+    if (cell.far.size() == 0) return {};
+    const std::size_t i = cell.far.draw(place);
+    return LightChoice{cell.far[i], scale * (shares.list * cell.far.weight(i))};
 }
 
 std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,
@@ -278,14 +253,8 @@ std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::ui
         return LightChoice{lights_.infinite[i], scale * (shares.infinite * infinite_pmf(i))};
     }
     const auto tree = static_cast<double>(shares.tree);
-    if (shares.cell && place < infinite + static_cast<double>(shares.far)) {
-        const auto at_far = static_cast<float>((place - infinite) / static_cast<double>(shares.list));
-        const std::size_t i = shares.cell->far_at(at_far);
-        return LightChoice{shares.cell->far[i],
-                           scale * (shares.list * shares.cell->far_weight(i))};
-    }
     if (shares.cell && place < 1 - tree) {
-        return sample_list(shares, place - infinite - static_cast<double>(shares.far));
+        return sample_lists(shares, (place - infinite) / static_cast<double>(shares.list));
     }
     const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
     const auto choice = lights_.tree.sample(LitPoint(at), rest);
@@ -303,17 +272,12 @@ float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
         return scale * (shares.infinite * infinite_pmf(i));
     }
     if (shares.cell) {
-        const std::vector<std::uint32_t>& list = shares.cell->lights;
-        const auto kept = std::find(list.begin(), list.end(), light);
-        if (kept != list.end()) {
-            return scale * (shares.list * shares.weights[kept - list.begin()]);
+        const std::size_t lane = shares.cell->near.find(light);
+        if (lane < shares.cell->near.lights().size()) {
+            return scale * (shares.list * shares.weights[lane]);
         }
-        const std::vector<std::uint32_t>& far = shares.cell->far;
-        const auto there = std::lower_bound(far.begin(), far.end(), light);
-        if (there != far.end() && *there == light) {
-            const auto i = static_cast<std::size_t>(there - far.begin());
-            return scale * (shares.list * shares.cell->far_weight(i));
-        }
+        const float far = shares.cell->far.weight_of(light);
+        if (far > 0) return scale * (shares.list * far);
     }
     return shares.tree > 0 ? scale * (shares.tree * lights_.tree.pmf(LitPoint(at), light)) : 0.0f;
 }

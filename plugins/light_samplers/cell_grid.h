@@ -25,18 +25,12 @@ public:
     /// Edge of the cells at `p`: the size of the scene times a power of two.
     float edge(Vector3 p) const { return std::ldexp(unit_, -level(p)); }
 
+    /// `p` from the middle of the scene, in units of its size.
+    Vector3 relative(Vector3 p) const { return (p - origin_) / unit_; }
+    /// Name of the cube around a point. Never zero.
+    std::uint64_t cube(Vector3 p) const { return key(p, 7); }
     /// Name of the cell of a point `p` of a surface like that of the receiver. Never zero.
-    std::uint64_t key(Vector3 p, const Receiver& at) const {
-        const int l = level(p);
-        const Vector3 x = (p - origin_) * (std::ldexp(1.0f, l) / unit_);
-        std::uint64_t key = 1 + static_cast<std::uint64_t>(l);
-        key = key << 3 | face(at);
-        for (int i = 0; i < 3; ++i) {
-            const float cell = std::clamp(std::floor(x[i]), -131071.0f, 131071.0f);
-            key = key << 18 | static_cast<std::uint64_t>(static_cast<int>(cell) + 131072);
-        }
-        return key;
-    }
+    std::uint64_t key(Vector3 p, const Receiver& at) const { return key(p, face(at)); }
 
     /// The cells of the same size and side around a cell, as far as they exist.
     std::vector<std::uint32_t> neighbours(std::uint64_t key) const {
@@ -80,6 +74,17 @@ private:
         const float wanted = size_ * glm::length(p - eye_) / unit_;
         const int exponent = wanted > 0 ? std::ilogb(wanted) : -17;
         return std::clamp(-1 - exponent, 0, 17);
+    }
+
+    std::uint64_t key(Vector3 p, std::uint64_t face) const {
+        const int l = level(p);
+        const Vector3 x = (p - origin_) * (std::ldexp(1.0f, l) / unit_);
+        std::uint64_t key = (1 + static_cast<std::uint64_t>(l)) << 3 | face;
+        for (int i = 0; i < 3; ++i) {
+            const float cell = std::clamp(std::floor(x[i]), -131071.0f, 131071.0f);
+            key = key << 18 | static_cast<std::uint64_t>(static_cast<int>(cell) + 131072);
+        }
+        return key;
     }
 
     /// Of the six axes the nearest to the normal, or 6 if light arrives from both sides.

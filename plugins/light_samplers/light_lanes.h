@@ -53,7 +53,9 @@ struct alignas(32) LightLanes {
     void set(std::size_t lane, const LightCluster& cluster, float facing);
     void copy(std::size_t lane, const LightLanes& from, std::size_t from_lane);
     /// Whether FlatLanes can hold it: planar, and shining to the whole of one side.
-    bool is_planar(std::size_t lane) const { return facing[lane] < infinity && cos_e[lane] <= 1e-3f; }
+    bool is_planar(std::size_t lane) const {
+        return facing[lane] < infinity && cos_e[lane] <= 1e-3f;
+    }
 };
 
 /// Eight planar lights that shine to one side, as most do: what `contributions` then needs.

@@ -64,10 +64,14 @@ struct Candidate {
 class LightStudy {
 public:
     /// `points` are receivers of the region; others may be as far as `margin` from them.
+    /// With `any_normal` a contribution is what arrives at a surface that faces the light.
     LightStudy(const Scene& scene, const SceneLights& lights, std::span<const Receiver> points,
-               float margin, std::uint64_t seed)
-        : scene_(scene), lights_(lights), points_(points), rng_(seed) {
-        for (const Receiver& at : points) lit_.emplace_back(at);
+               float margin, bool any_normal, std::uint64_t seed)
+        : scene_(scene), lights_(lights), points_(points), any_normal_(any_normal), rng_(seed) {
+        for (const Receiver& at : points) {
+            lit_.emplace_back(at);
+            if (any_normal) lit_.back().spread = facing_spread;
+        }
         bound_region(margin);
     }
 
@@ -80,9 +84,14 @@ public:
     }
 
     std::span<const LitPoint> points() const { return lit_; }
+    /// Stands for all points.
+    const LitPoint& region() const { return region_; }
     Rng& rng() { return rng_; }
     /// Irradiance that one sample of a light brings to a point, in units; zero if it is blocked.
     double arriving(std::uint32_t light, std::size_t point);
+
+    /// What the lights at infinity bring together, learnt from shadow rays.
+    float infinite_contribution();
 
 private:
     void bound_region(float margin);
@@ -93,9 +102,13 @@ private:
     void trace_rounds(std::size_t rays);
     std::size_t stride() const { return (candidates_.size() + 7) / 8 * 8; }
 
+    /// A spread with which every cosine at the receiver is 1.
+    static constexpr float facing_spread = 4;
+
     const Scene& scene_;
     const SceneLights& lights_;
     std::span<const Receiver> points_;
+    bool any_normal_;
     std::vector<LitPoint> lit_;
     LitPoint region_;
     std::vector<Candidate> candidates_;
@@ -119,7 +132,7 @@ inline void LightStudy::bound_region(float margin) {
     }
     region_.p = center;
     region_.slack = radius + margin;
-    region_.spread = cosine > 0 ? safe_sqrt(1 - sqr(cosine)) : 1.0f;
+    region_.spread = any_normal_ ? facing_spread : cosine > 0 ? safe_sqrt(1 - sqr(cosine)) : 1.0f;
 }
 
 /// How much larger the contribution of a light is if it is where the box of its cluster comes
@@ -193,13 +206,27 @@ inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
     const auto sample = light.emitter->sample_li(light, at, u);
     if (!sample || !(sample->pdf > 0)) return 0;
     const LitPoint& lit = lit_[point];
-    const float cosine = glm::dot(sample->wi, lit.ns);
+    float cosine = glm::dot(sample->wi, lit.ns);
     const float side = glm::dot(sample->wi, lit.n) * cosine;
     if (!(side > 0) || !(lit.two_sided > 0 || cosine > 0)) return 0;
+    if (any_normal_) cosine = 1;
     const double value = static_cast<double>(luminance(sample->radiance)) *
                          static_cast<double>(std::abs(cosine) / sample->pdf) / lights_.unit;
     if (!(value > 0) || !std::isfinite(value)) return 0;
     return scene_.occluded(at, *sample) ? 0.0 : value;
+}
+
+inline float LightStudy::infinite_contribution() {
+    if (lights_.infinite.empty()) return 0;
+    constexpr int samples = 32;
+    double sum = 0;
+    for (int i = 0; i < samples; ++i) {
+        const std::uint32_t chosen = lights_.infinite_power.sample(rng_.next_double());
+        const std::size_t point = rng_.next_uint() % lit_.size();
+        const double share = lights_.infinite_power.pmf(chosen);
+        if (share > 0) sum += arriving(lights_.infinite[chosen], point) / share;
+    }
+    return static_cast<float>(std::max(sum / samples, 0.02 * lights_.infinite_irradiance));
 }
 
 /// One ray to a candidate, from a point drawn in proportion to the contribution there.
@@ -218,8 +245,8 @@ inline void LightStudy::trace(std::size_t i) {
     }
     candidates_[i].rays += 1;
     if (point == lit_.size()) return;
-    const double fraction = arriving(candidates_[i].light, point) /
-                            static_cast<double>(weights[point]);
+    const double fraction =
+        arriving(candidates_[i].light, point) / static_cast<double>(weights[point]);
     candidates_[i].arrived += static_cast<float>(std::min(fraction, 2.0));
 }
 
@@ -235,7 +262,8 @@ inline void LightStudy::trace_rounds(std::size_t left) {
         std::vector<double> wanted;
         double total = 0;
         for (const Candidate& c : candidates_) {
-            wanted.push_back(static_cast<double>(c.mean * std::sqrt(c.visibility() / (1 + c.rays))));
+            wanted.push_back(
+                static_cast<double>(c.mean * std::sqrt(c.visibility() / (1 + c.rays))));
             total += wanted.back();
         }
         if (!(total > 0)) return;

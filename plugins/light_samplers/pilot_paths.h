@@ -16,7 +16,25 @@ struct PilotPaths {
     std::uint32_t count = 0;
     int bounces = 2;  ///< off surfaces that are not specular
     std::uint64_t seed = 0;
+
+    /// No more than a scene needs: a path for two pixels, and bounces where lights are sampled.
+    PilotPaths within(const Scene& scene) const {
+        const CropWindow crop = scene.sensor().film().crop();
+        const std::int64_t pixels = std::int64_t{crop.size.x} * crop.size.y;
+        PilotPaths result = *this;
+        result.bounces = std::min(bounces, scene.integrator().light_bounces());
+        result.count = static_cast<std::uint32_t>(
+            std::min<std::int64_t>(count, std::max<std::int64_t>(pixels / 2, 256)));
+        return result;
+    }
 };
+
+/// From where the camera looks.
+inline Vector3 eye_of(const Scene& scene) {
+    const CropWindow crop = scene.sensor().film().crop();
+    const Vector2 middle = Vector2(crop.offset) + 0.5f * Vector2(crop.size);
+    return scene.sensor().sample_ray(middle, Vector2(0.5f)).o;
+}
 
 /// The vertices of one path at which lights are sampled.
 inline std::vector<Receiver> pilot_path(const Scene& scene, const PilotPaths& pilots,

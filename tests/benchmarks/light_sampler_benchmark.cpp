@@ -4,15 +4,13 @@
 ///
 ///     light_sampler_benchmark [lights [points [aerial | street [sampler…]]]]
 ///
-/// A sampler is a type, and parameters after it: cache:lights=128:jitter=false.
+/// A sampler is a type, and parameters after it: cache:lights=128:jitter=0.5.
 /// Printed are means over the points of the relative variance, cut at 10⁴, its median and 90 %
 /// quantile (plugins/commands/comparison/light_oracle.h explains them and the bound), the number of
 /// points at which a light that contributes is never drawn, and the time of a choice and of a
 /// probability.
-#include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 #include "plugins/commands/comparison/light_oracle.h"
-#include "tests/benchmarks/benchmark_scenes.h"
+#include "tests/benchmarks/benchmark_samplers.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -76,42 +74,11 @@ void print_row(const std::string& name, const OracleFigures& f, double ns, doubl
     std::fflush(stdout);
 }
 
-/// The XML of "cache:lights=128".
-std::string element_of(const std::string& text) {
-    std::vector<std::string> words{""};
-    for (const char c : text) {
-        if (c == ':') {
-            words.emplace_back();
-        } else {
-            words.back() += c;
-        }
-    }
-    std::string xml = "<light_sampler type='" + words.front() + "'>";
-    for (std::size_t i = 1; i < words.size(); ++i) {
-        const std::size_t equals = words[i].find('=');
-        const std::string value = words[i].substr(equals + 1);
-        const char* type = value == "true" || value == "false"    ? "boolean"
-                           : value.find('.') == std::string::npos ? "integer"
-                                                                  : "float";
-        xml += fmt::format("<{} name='{}' value='{}'/>", type, words[i].substr(0, equals), value);
-    }
-    return xml + "</light_sampler>";
-}
-
 void measure(const std::string& type, const Scene& scene, const OracleKind& points) {
-    Registry registry;
-    Diagnostics diagnostics;
-    const Description description = read_scene_text(
-        "<scene version='3.0.0'>" + element_of(type) + "</scene>", "sampler.xml", {}, diagnostics);
-    std::vector<std::unique_ptr<Object>> objects;
-    build_object(*description.root->children.front().element, description, registry, diagnostics,
-                 objects);
-    diagnostics.throw_if_errors();
-    Object* const object = objects.back().get();
     auto start = BenchmarkClock::now();
-    object->prepare(scene);
+    const BuiltSampler built(type, scene);
     const double build = seconds_since(start);
-    const auto& sampler = static_cast<const LightSampler&>(*object);
+    const LightSampler& sampler = *built;
     start = BenchmarkClock::now();
     const OracleFigures figures = points.judge(sampler);
     double probabilities = 0;

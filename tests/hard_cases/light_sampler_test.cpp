@@ -38,6 +38,10 @@ INSTANTIATE_TEST_SUITE_P(All, LightSamplers, testing::ValuesIn(all_samplers()),
 std::string many_lights(double size = 1) {
     const auto at = [&](double x, double y, double z) { return size * Vector3d(x, y, z); };
     std::string content =
+        xml({.to_world = look(at(4, -6, 5), at(0, 0, 0)),
+             .fov = 60,
+             .near_clip = 1e-3 * size,
+             .far_clip = 1e6 * size}) +
         shape("rectangle", scale(10 * size), diffuse(0.5)) +
         shape("rectangle", scale(0.5 * size) + translate(at(-2, 1, 0.01)), area_light(3)) +
         shape("rectangle", scale(size) + look(at(1, 1, 3), at(0, 0, 0)), area_light(2)) +

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How the cost and the memory of light samplers grow with the number of lights, of places that
+/// remember, and of threads, in scenes/city.
+///
+///     light_growth_benchmark [lights…]        by default 300 5000 100000
+///
+/// Printed are the wall and processor time to prepare the sampler, the memory that it keeps, and
+/// the processor time of one draw and of one probability, at points that the camera sees, each
+/// visited once, from one thread.
+#include "plugins/light_samplers/pilot_paths.h"
+#include "tests/benchmarks/benchmark_samplers.h"
+#include "tests/paths.h"
+
+#include <malloc.h>
+
+#include <cstdio>
+#include <ctime>
+
+namespace lucerna {
+namespace {
+
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+double allocated_megabytes() {
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
+}
+
+std::unique_ptr<Scene> city(Registry& registry, const std::string& lights, int threads) {
+    Diagnostics diagnostics;
+    const Description description =
+        read_scene(tests_folder().parent_path() / "scenes/city/scene.xml",
+                   {.defines = {{"lights", lights}, {"max_depth", "2"}},
+                    .overrides = {"integrator.light_sampler=uniform"}},
+                   diagnostics);
+    std::unique_ptr<Scene> scene =
+        build_scene(description, registry, diagnostics, {.threads = threads});
+    diagnostics.throw_if_errors();
+    return scene;
+}
+
+void measure(const std::string& label, const std::string& name, const Scene& scene) {
+    const std::vector<Receiver> points =
+        pilot_receivers(scene, {.count = 100000, .bounces = 0, .seed = 77}, Workers(1));
+    const double memory = allocated_megabytes(), cpu = cpu_seconds();
+    const auto start = BenchmarkClock::now();
+    const BuiltSampler built(name, scene);
+    const double wall = seconds_since(start), build_cpu = cpu_seconds() - cpu;
+    const double kept = allocated_megabytes() - memory;
+    const LightSampler& sampler = *built;
+    std::vector<std::uint32_t> drawn;
+    Rng rng(3);
+    double before = cpu_seconds();
+    for (const Receiver& at : points) {
+        const auto choice = sampler.sample(at, 0, rng.next_float());
+        drawn.push_back(choice ? choice->light : 0);
+    }
+    const auto count = static_cast<double>(points.size());
+    const double sample_ns = 1e9 * (cpu_seconds() - before) / count;
+    before = cpu_seconds();
+    float sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) sum += sampler.pmf(points[i], drawn[i]);
+    const double pmf_ns = 1e9 * (cpu_seconds() - before) / count;
+    std::printf("%-24s %-32s %9.2f %9.2f %9.1f %9.0f %9.0f%s\n", label.c_str(), name.c_str(), wall,
+                build_cpu, kept, sample_ns, pmf_ns, sum < 0 ? "?" : "");
+    std::fflush(stdout);
+}
+
+int run(int argc, char** argv) {
+    std::vector<std::string> counts(argv + 1, argv + argc);
+    if (counts.empty()) counts = {"300", "5000", "100000"};
+    Registry registry;
+    std::printf("%-24s %-32s %9s %9s %9s %9s %9s\n", "", "sampler", "build s", "CPU s", "MB",
+                "draw ns", "pmf ns");
+    for (const std::string& lights : counts) {
+        const auto scene = city(registry, lights, 0);
+        for (const char* name : {"power", "bvh", "cache", "cache_kdtree"}) {
+            measure(lights + " lights", name, *scene);
+        }
+    }
+    {
+        const auto scene = city(registry, "5000", 0);
+        for (const int places : {256, 1024, 4096, 16384}) {
+            const std::string label = std::to_string(places) + " places";
+            measure(label, fmt::format("cache:cell_size=0.002:max_cells={}", places), *scene);
+            for (const char* lookup : {"cache_kdtree", "cache_hash", "cache_linear"}) {
+                measure(label, fmt::format("{}:max_points={}", lookup, places), *scene);
+            }
+        }
+    }
+    for (const int threads : {1, 2}) {
+        const auto scene = city(registry, "5000", threads);
+        measure(std::to_string(threads) + " threads", "cache", *scene);
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace lucerna
+
+int main(int argc, char** argv) { return lucerna::run(argc, argv); }
