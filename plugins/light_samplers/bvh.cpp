@@ -32,6 +32,9 @@ public:
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;
+    std::size_t bytes() const override {
+        return tree_.size() * sizeof(LightTree::Node) + paths_.capacity() * sizeof(std::uint64_t);
+    }
 
 private:
     static constexpr std::uint64_t no_path = ~std::uint64_t{0};

@@ -49,6 +49,13 @@ public:
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;
+    std::size_t bytes() const override {
+        std::size_t sum = lights_.tree.bytes() + grid_.bytes();
+        for (const LightCell& cell : cells_) {
+            sum += sizeof(cell) + cell.near.bytes() + cell.far.bytes();
+        }
+        return sum;
+    }
 
 private:
     void make_cells(const Scene& scene);

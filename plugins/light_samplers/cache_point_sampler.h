@@ -35,6 +35,15 @@ public:
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;
+    /// Without the lookup.
+    std::size_t bytes() const override {
+        std::size_t sum = lights_.tree.bytes();
+        for (const CachePoint& point : points_) {
+            sum += sizeof(point) + point.near.bytes();
+            for (const FarLights& list : point.lists) sum += list.bytes();
+        }
+        return sum;
+    }
 
 private:
     /// How draws are shared out at a point, as a thread last found it.

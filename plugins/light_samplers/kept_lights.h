@@ -38,6 +38,11 @@ public:
         return static_cast<std::size_t>(it - lights_.begin());
     }
 
+    std::size_t bytes() const {
+        return flat_.capacity() * sizeof(FlatLanes) + others_.capacity() * sizeof(LightLanes) +
+               lights_.capacity() * sizeof(std::uint32_t);
+    }
+
 private:
     std::vector<FlatLanes> flat_;
     std::vector<LightLanes> others_;
@@ -65,6 +70,10 @@ public:
     std::size_t draw(double place) const {
         const auto it = std::upper_bound(until_.begin(), until_.end(), place);
         return std::min(static_cast<std::size_t>(it - until_.begin()), until_.size() - 1);
+    }
+
+    std::size_t bytes() const {
+        return lights_.capacity() * sizeof(std::uint32_t) + until_.capacity() * sizeof(double);
     }
 
 private:

@@ -11,8 +11,6 @@
 #include "tests/benchmarks/benchmark_samplers.h"
 #include "tests/paths.h"
 
-#include <malloc.h>
-
 #include <cstdio>
 #include <ctime>
 
@@ -20,11 +18,6 @@ namespace lucerna {
 namespace {
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-double allocated_megabytes() {
-    const struct mallinfo2 info = mallinfo2();
-    return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
-}
 
 std::unique_ptr<Scene> city(Registry& registry, const std::string& lights, int threads) {
     Diagnostics diagnostics;
@@ -42,12 +35,12 @@ std::unique_ptr<Scene> city(Registry& registry, const std::string& lights, int t
 void measure(const std::string& label, const std::string& name, const Scene& scene) {
     const std::vector<Receiver> points =
         pilot_receivers(scene, {.count = 100000, .bounces = 0, .seed = 77}, Workers(1));
-    const double memory = allocated_megabytes(), cpu = cpu_seconds();
+    const double cpu = cpu_seconds();
     const auto start = BenchmarkClock::now();
     const BuiltSampler built(name, scene);
     const double wall = seconds_since(start), build_cpu = cpu_seconds() - cpu;
-    const double kept = allocated_megabytes() - memory;
     const LightSampler& sampler = *built;
+    const double kept = static_cast<double>(sampler.bytes()) / 1e6;
     std::vector<std::uint32_t> drawn;
     Rng rng(3);
     double before = cpu_seconds();
