@@ -138,14 +138,15 @@ private:
         double y = kerb;
         const int most = storeys > 9 ? 3 : 1;
         for (int tier = 0; tier < most && left > 0; ++tier) {
+            const auto number = static_cast<std::uint64_t>(tier);
             const double share =
-                tier + 1 == most ? 1.0 : 0.45 + 0.3 * chance(building.seed, 10 + tier);
+                tier + 1 == most ? 1.0 : 0.45 + 0.3 * chance(building.seed, number + 10);
             const int here = std::max(1, static_cast<int>(share * left));
             const double height = here * storey + (tier == 0 ? shop_height - storey : 0);
             building.tiers.push_back({area, y, y + height});
             y += height;
             left -= here;
-            area = area.inset(0.7 + 1.2 * chance(building.seed, 20 + tier));
+            area = area.inset(0.7 + 1.2 * chance(building.seed, number + 20));
             if (std::min(area.width(), area.depth()) < 5) break;
         }
     }
