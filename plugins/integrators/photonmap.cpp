@@ -136,7 +136,8 @@ PhotonMap PhotonMapIntegrator::build(const RenderJob& job, const PhotonTracer& t
     }
     if (stored.photons.empty() && stored.emitted > 0 && !job.interrupted()) {
         fmt::print(stderr, "warning: photonmap: of {:.0f} photons none met a diffuse surface{}\n",
-                   stored.emitted, kinds == 2 ? " after a mirror or glass: no caustics" : "");
+                   stored.emitted,
+                   includes(kinds, PhotonKind::indirect) ? "" : " after a mirror or glass");
     }
     const float scene_radius = job.scene().bounds().radius();
     const float radius = settings.radius * (scene_radius > 0 ? scene_radius : 1);

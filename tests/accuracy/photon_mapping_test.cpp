@@ -285,6 +285,7 @@ TEST(PhotonMapping, F16_ErrorOfSppmFallsAsItShould) {
         for (int k = -2; k <= 2; ++k) slope += k * std::log(error(16u << (2 * (k + 2)), seed));
         slopes.add(slope / (10 * std::log(4.0)));
     }
+    RecordProperty("slope", fmt::format("{:.3f} ± {:.3f}", slopes.mean(), slopes.standard_error()));
     EXPECT_LE(slopes.standard_error(), 0.03);
     EXPECT_NEAR(slopes.mean(), -2.0 / 3, 4 * slopes.standard_error());
 }

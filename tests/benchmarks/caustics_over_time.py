@@ -17,19 +17,19 @@ import os
 import subprocess
 import tempfile
 
-SCENES = {  # the caustic, and what any map holds beside it
-    "spheres": {"crop": "296,467,110,20", "max_depth": 12},
-    "caustics": {"crop": "480,150,150,90", "max_depth": 14},
+SCENES = {  # where the caustic is, and how large the maps of caustics are
+    "spheres": {"crop": "296,467,110,20", "photons": (25000, 250000, 2500000)},
+    "caustics": {"crop": "480,150,150,90", "photons": (2500, 25000, 250000)},
 }
-METHODS = {
-    "path": ["-D", "integrator=path"],
-    "photonmap 25 k": ["--set", "integrator.caustic_photons=25000"],
-    "photonmap 250 k": ["--set", "integrator.caustic_photons=250000"],
-    "photonmap 2.5 M": ["--set", "integrator.caustic_photons=2500000"],
-    "sppm": ["-D", "integrator=sppm"],
-}
-COLOURS = {"path": "#888888", "photonmap 25 k": "#f4b860", "photonmap 250 k": "#e07b39",
-           "photonmap 2.5 M": "#a63d1f", "sppm": "#2f6f9f"}
+METHODS = ("path", "photonmap, few", "photonmap, more", "photonmap, most", "sppm")
+COLOURS = ("#888888", "#f4b860", "#e07b39", "#a63d1f", "#2f6f9f")
+
+
+def options(scene, method):
+    if method in ("path", "sppm"):
+        return ["-D", f"integrator={method}"]
+    photons = scene["photons"][METHODS.index(method) - 1]
+    return ["--set", f"integrator.caustic_photons={photons}"]
 
 
 def processor_seconds(command):
@@ -47,12 +47,12 @@ def measure(lucerna, name, scene, seconds, folder):
     reference = os.path.join(folder, f"{name}_reference.exr")
     subprocess.run([lucerna, "render", path, "-q", "-D", "integrator=ptracer", "--seed", "99",
                     "--crop", crop, "--time", str(3 * seconds), "-o", reference], check=True)
-    for method, options in METHODS.items():
+    for method in METHODS:
         samples, spent = 1, 0.0
         while spent < seconds:
             picture = os.path.join(folder, "picture.exr")
-            spent = processor_seconds([lucerna, "render", path, "-q", *options, "--spp",
-                                       str(samples), "-o", picture])
+            spent = processor_seconds([lucerna, "render", path, "-q", *options(scene, method),
+                                       "--spp", str(samples), "-o", picture])
             report = subprocess.run([lucerna, "diff", picture, reference, "--crop", crop, "--json"],
                                     check=True, capture_output=True, text=True).stdout
             error = json.loads(report)["finite_pixels"]["relative_mse"]
@@ -103,7 +103,7 @@ class Chart:
                 parts.append(f'<path class="grid" d="M{x:.1f} {self.top}v{self.height}"/><text '
                              f'class="x" x="{x:.1f}" y="{self.top + self.height + 16}">{seconds}'
                              '</text>')
-        for method, colour in COLOURS.items():
+        for method, colour in zip(METHODS, COLOURS):
             points = [self.place(r[3], r[4]) for r in self.rows if r[1] == method]
             line = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
             parts.append(f'<polyline points="{line}" stroke="{colour}"/>')
@@ -115,17 +115,17 @@ class Chart:
 def write_svg(path, rows):
     charts = [Chart(name, [r for r in rows if r[0] == name], 410 * i)
               for i, name in enumerate(dict.fromkeys(r[0] for r in rows))]
-    keys = "".join(f'<circle cx="{70 + 150 * i}" cy="334" r="4" fill="{colour}"/>'
-                   f'<text x="{80 + 150 * i}" y="338">{method}</text>'
-                   for i, (method, colour) in enumerate(COLOURS.items()))
+    keys = "".join(f'<circle cx="{70 + 150 * i}" cy="346" r="4" fill="{colour}"/>'
+                   f'<text x="{80 + 150 * i}" y="350">{method}</text>'
+                   for i, (method, colour) in enumerate(zip(METHODS, COLOURS)))
     with open(path, "w", encoding="utf-8") as out:
-        out.write('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 820 350" '
+        out.write('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 820 362" '
                   'font-family="sans-serif" font-size="12">\n<style>\n'
                   'polyline{fill:none;stroke-width:1.8}.grid{stroke:#ddd}.x{text-anchor:middle}\n'
                   '.frame{fill:none;stroke:#999}.y{text-anchor:end}.title{font-weight:bold}\n'
-                  '</style>\n<rect width="820" height="350" fill="white"/>\n'
+                  '</style>\n<rect width="820" height="362" fill="white"/>\n'
                   + "\n".join(chart.svg() for chart in charts)
-                  + '\n<text x="410" y="316" text-anchor="middle">processor seconds, full picture;'
+                  + '\n<text x="410" y="326" text-anchor="middle">processor seconds, full picture;'
                   ' upwards: relative MSE in the caustic</text>\n' + keys + "\n</svg>\n")
 
 
