@@ -485,9 +485,9 @@ void Params::report_unused(bool stopped,
     }
     std::string remedy = list.empty() ? "; it takes none" : "\n  it takes:" + list;
     for (const auto& [name, where] : unused) {
-        const bool known = std::any_of(names.begin(), names.end(), [&](const std::string& n) {
-            return n == name || n == name + " …";  // nested objects, of which there may be several
-        });
+        // Nested objects of which there may be several are declared with dots.
+        const bool known = std::find(names.begin(), names.end(), name) != names.end() ||
+                           std::find(names.begin(), names.end(), name + " …") != names.end();
         if (stopped && known) continue;
         const std::string what = fmt::format("{} \"{}\" has no parameter \"{}\"{}", element_.kind,
                                              element_.type, name, did_you_mean(name, names));
