@@ -24,6 +24,13 @@ struct PixelSample {
     std::size_t pixel = 0;    ///< which it is: x + y · width in the crop window
 };
 
+/// A camera ray, the random numbers that belong to it, and what the integrator makes of it.
+struct CameraSample {
+    Ray ray;
+    SampleStream stream;
+    PixelSample result;
+};
+
 class Integrator : public Object {
 public:
     static constexpr const char* kind = "integrator";
@@ -51,6 +58,11 @@ public:
     /// One sample along the camera ray. Called from many threads.
     virtual void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
                         PixelSample& result) const = 0;
+
+    /// How many samples `sample_batch` should get at once. More than one only if that is faster.
+    virtual std::size_t batch_size() const { return 1; }
+    /// Up to `batch_size` samples: the same as `sample` for each.
+    virtual void sample_batch(const Scene& scene, std::span<CameraSample> samples) const;
 };
 
 }  // namespace lucerna

@@ -27,6 +27,12 @@ public:
     virtual Vector2 sample_2d(std::uint64_t sequence, std::uint64_t index,
                               std::uint32_t dimension) const = 0;
 
+    static constexpr std::uint32_t block_pairs = 4;
+    /// The pairs at `dimension`, `dimension` + 2, …: what `sample_2d` returns for each. Together
+    /// they may cost less.
+    virtual void sample_block(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
+                              Vector2 (&pairs)[block_pairs]) const;
+
     /// Samples per pixel if the command line does not say.
     int sample_count() const { return sample_count_; }
 
@@ -42,9 +48,14 @@ public:
 
     float next_1d() { return sampler_.sample_1d(sequence_, index_, dimension_++); }
     Vector2 next_2d() {
-        const std::uint32_t dimension = dimension_;
+        std::uint32_t place = dimension_ - block_begin_;
+        if (place >= 2 * Sampler::block_pairs || place % 2 != 0) {
+            sampler_.sample_block(sequence_, index_, dimension_, block_);
+            block_begin_ = dimension_;
+            place = 0;
+        }
         dimension_ += 2;
-        return sampler_.sample_2d(sequence_, index_, dimension);
+        return block_[place / 2];
     }
     /// Continues at a fixed dimension, so that what one bounce consumes does not shift the next.
     void jump_to(std::uint32_t dimension) { dimension_ = dimension; }
@@ -54,6 +65,9 @@ private:
     std::uint64_t sequence_;
     std::uint64_t index_;
     std::uint32_t dimension_ = 0;
+    // Pairs that were computed ahead, from this dimension on.
+    std::uint32_t block_begin_ = 2 * Sampler::block_pairs;
+    Vector2 block_[Sampler::block_pairs];
 };
 
 }  // namespace lucerna

@@ -49,6 +49,8 @@ struct Receiver {
 
 /// A point where a ray met a surface.
 struct Interaction {
+    Interaction() {}  // not an aggregate, all of whose bytes would be cleared first
+
     Vector3 p{0};
     float error = 0;     ///< bound of the absolute error of each coordinate of p
     Vector3 n{0, 0, 1};  ///< geometric normal, towards the outside of the shape

@@ -19,9 +19,21 @@ namespace lucerna {
 
 class BSDF;
 
+/// Positions of vertices that lie `stride` floats apart. There are 16 readable bytes at each.
+struct VertexPositions {
+    const float* first = nullptr;
+    std::size_t count = 0;
+    std::size_t stride = 3;
+
+    Vector3 operator[](std::size_t i) const {
+        const float* const p = first + i * stride;
+        return {p[0], p[1], p[2]};
+    }
+};
+
 /// Vertices and, three to a triangle, their indices. The shape keeps the memory.
 struct TriangleGeometry {
-    std::span<const Vector3> positions;
+    VertexPositions positions;
     std::span<const std::uint32_t> indices;
 };
 
@@ -75,6 +87,10 @@ public:
     virtual std::optional<Hit> intersect(const Ray& ray) const;
     /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`.
     virtual void fill(const Ray& ray, const Hit& hit, Interaction& at) const = 0;
+    /// Asks the memory for what `fill` will read of a primitive: first for what tells where that
+    /// is, then, when this has arrived, for the rest.
+    enum class Prefetch { addresses, data };
+    virtual void prefetch(std::uint32_t /*primitive*/, Prefetch) const {}
 
     /// Number of primitives that can be sampled, each a light if the shape emits.
     virtual std::uint32_t primitive_count() const { return 1; }
@@ -112,12 +128,13 @@ protected:
 
 private:
     friend class Scene;
-    Transform world_from_object_;
+    // What every hit reads comes first.
     const BSDF* bsdf_ = nullptr;
     const Emitter* emitter_ = nullptr;
     std::uint32_t first_light_ = 0;
     std::uint32_t scene_index_ = PrimitiveId::none;
     bool flip_normals_ = false;
+    Transform world_from_object_;
 };
 
 }  // namespace lucerna

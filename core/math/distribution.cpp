@@ -107,11 +107,8 @@ DiscreteDistribution::DiscreteDistribution(std::span<const double> weights)
 
 DiscreteDistribution::Reused DiscreteDistribution::sample_reuse(double u) const {
     if (empty()) return {0, 0};
-    const double scaled = std::clamp(u, 0.0, largest_below_one) * static_cast<double>(size());
-    const auto i =
-        std::min(static_cast<std::uint32_t>(scaled), static_cast<std::uint32_t>(size() - 1));
+    const auto [i, rest] = place_of(u);
     const Bin& bin = bins_[i];
-    const double rest = std::min(scaled - i, largest_below_one);
     if (rest < bin.threshold) return {i, std::min(rest / bin.threshold, largest_below_one)};
     return {bin.alias, std::min((rest - bin.threshold) / (1 - bin.threshold), largest_below_one)};
 }

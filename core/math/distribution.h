@@ -30,7 +30,11 @@ public:
     DiscreteDistribution() = default;
     explicit DiscreteDistribution(std::span<const double> weights);
 
-    std::uint32_t sample(double u) const { return sample_reuse(u).index; }
+    std::uint32_t sample(double u) const {
+        if (empty()) return 0;
+        const auto [i, rest] = place_of(u);
+        return rest < bins_[i].threshold ? i : bins_[i].alias;
+    }
     Reused sample_reuse(double u) const;
     /// Probability of `index`: weight / total.
     double pmf(std::uint32_t index) const { return bins_[index].pmf; }
@@ -46,6 +50,16 @@ private:
         double threshold = 0;
         std::uint32_t alias = 0;
     };
+    static constexpr double largest_below_one = 0x1.fffffffffffffp-1;
+
+    /// The bin of the table at `u`, and where in it: in [0, 1).
+    std::pair<std::uint32_t, double> place_of(double u) const {
+        const double scaled = std::clamp(u, 0.0, largest_below_one) * static_cast<double>(size());
+        const auto i =
+            std::min(static_cast<std::uint32_t>(scaled), static_cast<std::uint32_t>(size() - 1));
+        return {i, std::min(scaled - i, largest_below_one)};
+    }
+
     std::vector<Bin> bins_;
     double total_ = 0;
 };

@@ -74,7 +74,12 @@ private:
     std::uint64_t state_, increment_;
 };
 
-constexpr std::uint32_t reverse_bits(std::uint32_t x) {
+/// Four numbers that vector registers work on together; the functions of bits below take them as
+/// well as single numbers.
+using FourUints = std::uint32_t __attribute__((vector_size(16)));
+
+template <typename Bits>
+constexpr Bits reverse_bits(Bits x) {
     x = (x << 16) | (x >> 16);
     x = ((x & 0x00ff00ffu) << 8) | ((x >> 8) & 0x00ff00ffu);
     x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
@@ -97,7 +102,8 @@ struct SequenceSeeds {
 
 /// Multiplies the bit vector `x` by Pascal's matrix modulo 2, the Kronecker power of (1 1; 0 1)
 /// (Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact").
-constexpr std::uint32_t multiply_by_pascal(std::uint32_t x) {
+template <typename Bits>
+constexpr Bits multiply_by_pascal(Bits x) {
     x ^= (x & 0xaaaaaaaau) >> 1;
     x ^= (x & 0xccccccccu) >> 2;
     x ^= (x & 0xf0f0f0f0u) >> 4;
@@ -107,7 +113,8 @@ constexpr std::uint32_t multiply_by_pascal(std::uint32_t x) {
 
 /// Random permutation in which a bit depends on lower bits only (Laine and Karras 2011), with the
 /// constants of Vegdahl 2021, "Building a Better LK Hash". `seed` must be well mixed.
-constexpr std::uint32_t laine_karras_permutation(std::uint32_t x, std::uint32_t seed) {
+template <typename Bits>
+constexpr Bits laine_karras_permutation(Bits x, Bits seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1;
@@ -118,16 +125,30 @@ constexpr std::uint32_t laine_karras_permutation(std::uint32_t x, std::uint32_t 
 
 /// Nested uniform (Owen) scrambling in base 2, by hash
 /// (Burley 2020, "Practical Hash-based Owen Scrambling").
-constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
+template <typename Bits>
+constexpr Bits owen_scramble(Bits x, Bits seed) {
     return reverse_bits(laine_karras_permutation(reverse_bits(x), seed));
 }
 
 /// Two coordinates as 32-bit fractions.
-struct SobolPoint {
-    std::uint32_t x, y;
+template <typename Bits>
+struct SobolPointOf {
+    Bits x, y;
     Vector2 to_float() const { return {uint_to_float(x), uint_to_float(y)}; }
     Vector2d to_double() const { return {uint_to_double(x), uint_to_double(y)}; }
 };
+using SobolPoint = SobolPointOf<std::uint32_t>;
+
+/// The same as below for an index below 2³², from seeds that are well mixed: one that shuffles the
+/// index, one that scrambles each coordinate.
+template <typename Bits>
+constexpr SobolPointOf<Bits> sobol_owen_2d_bits(Bits index, Bits order, Bits first, Bits second) {
+    // Scrambling the index shuffles within blocks and keeps the blocks.
+    const Bits i = owen_scramble(index, order);
+    // A scramble is reverse, permute, reverse; both Sobol' coordinates are reversed numbers.
+    return {reverse_bits(laine_karras_permutation(i, first)),
+            reverse_bits(laine_karras_permutation(multiply_by_pascal(i), second))};
+}
 
 /// Point `index` of an Owen-scrambled, shuffled Sobol' (0,2)-sequence.
 ///
@@ -141,11 +162,8 @@ struct SobolPoint {
 /// quarter on that of a 4D half space, 1.6 times theirs on (x − ½)(z − ½).
 constexpr SobolPoint sobol_owen_2d_bits(std::uint64_t index, std::uint64_t seed) {
     const SequenceSeeds seeds(index, seed);
-    // Scrambling the index shuffles within blocks and keeps the blocks.
-    const std::uint32_t i = owen_scramble(static_cast<std::uint32_t>(index), seeds.order());
-    // A scramble is reverse, permute, reverse; both Sobol' coordinates are reversed numbers.
-    return {reverse_bits(laine_karras_permutation(i, seeds.first())),
-            reverse_bits(laine_karras_permutation(multiply_by_pascal(i), seeds.second()))};
+    return sobol_owen_2d_bits(static_cast<std::uint32_t>(index), seeds.order(), seeds.first(),
+                              seeds.second());
 }
 
 /// Point `index` of an Owen-scrambled, shuffled van der Corput sequence; see the 2D version.

@@ -35,6 +35,11 @@ FilterSampler::FilterSampler(const RFilter& filter) {
         const double weight = weights[static_cast<std::size_t>(i)];
         const double probability = std::abs(weight) / (above + below);
         if (probability == 0) continue;
+        const bool goes_on = i > 0 && weight == weights[static_cast<std::size_t>(i) - 1];
+        if (goes_on) {
+            sum += probability;
+            continue;  // a box is one cell
+        }
         cells_.push_back({.begin = sum,
                           .scale = width / probability,
                           .x = static_cast<float>(i * width - radius),
@@ -42,15 +47,16 @@ FilterSampler::FilterSampler(const RFilter& filter) {
         sum += probability;
     }
     std::uint32_t cell = 0;
-    for (int i = 0; i < cell_count; ++i) {
-        const double u = static_cast<double>(i) / cell_count;
+    const std::size_t guides = cells_.size();
+    for (std::size_t i = 0; i < guides; ++i) {
+        const double u = static_cast<double>(i) / static_cast<double>(guides);
         while (cell + 1 < cells_.size() && cells_[cell + 1].begin <= u) ++cell;
         guide_.push_back(cell);
     }
 }
 
 FilterSampler::Offset FilterSampler::sample_1d(float u) const {
-    std::size_t i = guide_[static_cast<std::size_t>(u * cell_count)];
+    std::size_t i = guide_[static_cast<std::size_t>(u * static_cast<float>(guide_.size()))];
     while (i + 1 < cells_.size() && cells_[i + 1].begin <= static_cast<double>(u)) ++i;
     const Cell& cell = cells_[i];
     const double inside = (static_cast<double>(u) - cell.begin) * cell.scale;

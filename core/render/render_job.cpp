@@ -55,8 +55,54 @@ RenderJob::RenderJob(const Scene& scene, RenderOptions options, FilmState film)
 
 double RenderJob::elapsed() const { return seconds_between(start_, Clock::now()); }
 
+/// Samples on their way to an estimator, and on to the film.
+class RenderJob::Batch {
+public:
+    Batch(const BatchEstimator& estimator, std::size_t size, FilmState& film)
+        : estimator_(estimator),
+          size_(size),
+          film_(film),
+          layer_count_(film.layout().layers.size()),
+          layers_(size * layer_count_) {
+        samples_.reserve(size);
+    }
+
+    void add(std::size_t pixel, bool negative, const Ray& ray, const SampleStream& stream) {
+        CameraSample& sample = samples_.emplace_back(ray, stream, PixelSample{});
+        sample.result.pixel = pixel;
+        sample.result.layers =
+            std::span(layers_).subspan((samples_.size() - 1) * layer_count_, layer_count_);
+        negative_.push_back(negative);
+        if (samples_.size() == size_) finish();
+    }
+
+    void finish() {
+        if (samples_.empty()) return;
+        std::fill(layers_.begin(), layers_.end(), 0.0f);
+        estimator_(samples_);
+        for (std::size_t i = 0; i < samples_.size(); ++i) {
+            film_.add(samples_[i].result.pixel, negative_[i], samples_[i].result);
+        }
+        samples_.clear();
+        negative_.clear();
+    }
+
+private:
+    const BatchEstimator& estimator_;
+    std::size_t size_;
+    FilmState& film_;
+    std::size_t layer_count_;
+    std::vector<CameraSample> samples_;
+    std::vector<bool> negative_;
+    std::vector<float> layers_;
+};
+
 void RenderJob::render_samples(const Estimator& estimator) {
     run_passes([&](SampleRange range) { sample_pixels(range, estimator); });
+}
+
+void RenderJob::render_batches(const BatchEstimator& estimator, std::size_t size) {
+    run_passes([&](SampleRange range) { sample_pixels(range, estimator, size); });
 }
 
 void RenderJob::run_passes(const Pass& pass) {
@@ -98,29 +144,37 @@ void RenderJob::finish_pass(const PassPlan& plan) {
 }
 
 void RenderJob::sample_pixels(SampleRange range, const Estimator& estimator) {
+    const auto one_by_one = [&](std::span<CameraSample> samples) {
+        for (CameraSample& s : samples) estimator(s.ray, s.stream, s.result);
+    };
+    sample_pixels(range, one_by_one, 1);
+}
+
+void RenderJob::sample_pixels(SampleRange range, const BatchEstimator& estimator,
+                              std::size_t size) {
     const Vector2i tiles = tiles_in(state_.layout().crop.size);
     workers_.run(std::int64_t{tiles.x} * tiles.y, [&](std::int64_t index) {
         if (interrupted()) return;
         const int i = static_cast<int>(index);
-        sample_tile(range, tile_size * Vector2i(i % tiles.x, i / tiles.x), estimator);
+        Batch batch(estimator, size, state_);
+        sample_tile(range, tile_size * Vector2i(i % tiles.x, i / tiles.x), batch);
+        batch.finish();
         samples_of_tiles_ += static_cast<std::int64_t>(range.size());
         report();
     });
 }
 
-void RenderJob::sample_tile(SampleRange range, Vector2i tile, const Estimator& estimator) {
+void RenderJob::sample_tile(SampleRange range, Vector2i tile, Batch& batch) {
     const Vector2i end = glm::min(tile + tile_size, state_.layout().crop.size);
-    std::vector<float> layers(state_.layout().layers.size());
     for (int y = tile.y; y < end.y; ++y) {
         for (int x = tile.x; x < end.x; ++x) {
             if (interrupted()) return;
-            sample_pixel(range, {x, y}, estimator, layers);
+            sample_pixel(range, {x, y}, batch);
         }
     }
 }
 
-void RenderJob::sample_pixel(SampleRange range, Vector2i pixel, const Estimator& estimator,
-                             std::span<float> layers) {
+void RenderJob::sample_pixel(SampleRange range, Vector2i pixel, Batch& batch) {
     const CropWindow& crop = state_.layout().crop;
     const std::size_t index =
         static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(crop.size.x) +
@@ -139,12 +193,7 @@ void RenderJob::sample_pixel(SampleRange range, Vector2i pixel, const Estimator&
         const Vector2 u_lens = stream.next_2d();
         stream.jump_to(first_integrator_dimension);
         const Ray ray = sensor.sample_ray(Vector2(position) + 0.5f + film.offset, u_lens);
-        PixelSample sample;
-        std::fill(layers.begin(), layers.end(), 0.0f);
-        sample.layers = layers;
-        sample.pixel = index;
-        estimator(ray, stream, sample);
-        state_.add(index, film.negative, sample);
+        batch.add(index, film.negative, ray, stream);
     }
 }
 

@@ -48,6 +48,8 @@ public:
     /// Makes one camera sample: fills `result` for a camera ray; further random numbers come from
     /// the stream. Called from many threads.
     using Estimator = std::function<void(const Ray&, SampleStream&, PixelSample& result)>;
+    /// Makes several camera samples.
+    using BatchEstimator = std::function<void(std::span<CameraSample>)>;
     /// Does the samples of `range` for all pixels, or stops early if `interrupted()`.
     using Pass = std::function<void(SampleRange range)>;
 
@@ -62,6 +64,8 @@ public:
 
     /// Passes over all pixels until the budget is spent: all that a path tracer needs.
     void render_samples(const Estimator& estimator);
+    /// The same with up to `size` samples at once.
+    void render_batches(const BatchEstimator& estimator, std::size_t size);
 
     /// The loop alone, for integrators whose passes do more, such as tracing photons:
     ///
@@ -83,9 +87,10 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    void sample_tile(SampleRange range, Vector2i tile, const Estimator& estimator);
-    void sample_pixel(SampleRange range, Vector2i pixel, const Estimator& estimator,
-                      std::span<float> layers);
+    class Batch;
+    void sample_pixels(SampleRange range, const BatchEstimator& estimator, std::size_t size);
+    void sample_tile(SampleRange range, Vector2i tile, Batch& batch);
+    void sample_pixel(SampleRange range, Vector2i pixel, Batch& batch);
     double elapsed() const;
     void finish_pass(const PassPlan& plan);
     void report();

@@ -106,7 +106,8 @@ struct Accelerator::Implementation {
 RTCGeometry Accelerator::Implementation::make_triangles(const TriangleGeometry& mesh) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               mesh.positions.data(), 0, sizeof(Vector3), mesh.positions.size());
+                               mesh.positions.first, 0, mesh.positions.stride * sizeof(float),
+                               mesh.positions.count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                mesh.indices.data(), 0, 3 * sizeof(std::uint32_t),
                                mesh.indices.size() / 3);
@@ -226,21 +227,24 @@ std::size_t Accelerator::bytes() const {
 
 namespace {
 
-RTCRay to_embree(const Ray& ray, float tmin) {
-    RTCRay r{};
+/// Fills the ray where it lies: a copy would read in one piece what was just written in many, which
+/// processors cannot forward.
+void to_embree(const Ray& ray, float tmin, RTCRay& r) {
     r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z;
-    r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z;
     r.tnear = tmin;
+    r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z;
+    r.time = 0;
     r.tfar = ray.tmax;
     r.mask = 0xffffffff;
-    return r;
+    r.id = 0;
+    r.flags = 0;
 }
 
 }  // namespace
 
 std::optional<SceneHit> Accelerator::intersect(const Ray& ray, float tmin) const {
     RTCRayHit r;
-    r.ray = to_embree(ray, tmin);
+    to_embree(ray, tmin, r.ray);
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     embree::intersect(implementation_->scene, r);
@@ -263,7 +267,8 @@ bool Accelerator::occluded(const Ray& ray, PrimitiveId target) const {
     embree::init(context.base);
     context.source = ray.source;
     context.target = target;
-    RTCRay r = to_embree(ray, 0);
+    RTCRay r;
+    to_embree(ray, 0, r);
     embree::occluded(implementation_->scene, context.base, shadow_filter, r);
     return r.tfar < 0;
 }

@@ -10,8 +10,8 @@
 namespace lucerna {
 namespace {
 
-/// Embree reads 16 bytes for each vertex of 12: the last one needs room behind it.
-constexpr std::size_t padding = 2;
+/// Embree reads 16 bytes for each position of 12: the last one needs room behind it.
+constexpr std::size_t padding = 1;
 
 /// Embree drops primitives that reach further without a word.
 constexpr float coordinate_limit = 1e18f;
@@ -99,7 +99,7 @@ std::vector<Vector3> smooth_normals(const MeshData& data) {
 }  // namespace
 
 void MeshData::reserve(std::size_t vertices, std::size_t triangles) {
-    positions.reserve(vertices + padding);
+    positions.reserve(vertices);
     indices.reserve(3 * triangles);
 }
 
@@ -121,9 +121,27 @@ void MeshData::flip_v() {
     for (Vector2& uv : uvs) uv.y = 1 - uv.y;
 }
 
+MeshVertices::MeshVertices(const MeshData& data) : count_(data.positions.size()) {
+    if (!data.normals.empty()) {
+        normal_ = stride_;
+        stride_ += 3;
+    }
+    if (!data.uvs.empty()) {
+        uv_ = stride_;
+        stride_ += 2;
+    }
+    lines_.resize((count_ * stride_ + padding + 15) / 16);
+    float* v = lines_.data()->floats;
+    for (std::size_t i = 0; i < count_; ++i, v += stride_) {
+        for (int k = 0; k < 3; ++k) v[k] = data.positions[i][k];
+        for (int k = 0; k < 3 && has_normals(); ++k) v[normal_ + k] = data.normals[i][k];
+        for (int k = 0; k < 2 && has_uvs(); ++k) v[uv_ + k] = data.uvs[i][k];
+    }
+}
+
 /// The corners of one triangle, and where they are stored.
 struct Mesh::Triangle {
-    std::uint32_t i0, i1, i2;
+    const float *a0, *a1, *a2;
     Vector3 v0, v1, v2;
 
     /// Zero for a degenerate triangle.
@@ -186,20 +204,14 @@ void Mesh::assign(MeshData data) {
     }
     for (const std::uint32_t i : data.indices) bounds_.include(data.positions[i]);
 
-    vertex_count_ = data.positions.size();
-    data.positions.resize(vertex_count_ + padding);
+    vertices_ = MeshVertices(data);
     data.indices.reserve(3);  // a place to point at, even if there is no triangle
-    positions_ = std::move(data.positions);
-    normals_ = std::move(data.normals);
-    uvs_ = std::move(data.uvs);
     indices_ = std::move(data.indices);
-    positions_.shrink_to_fit();
-    uvs_.shrink_to_fit();
     if (!indices_.empty()) indices_.shrink_to_fit();
 }
 
 Geometry Mesh::geometry() const {
-    return TriangleGeometry{.positions = {positions_.data(), vertex_count_}, .indices = indices_};
+    return TriangleGeometry{.positions = vertices_.positions(), .indices = indices_};
 }
 
 std::uint32_t Mesh::primitive_count() const {
@@ -208,24 +220,27 @@ std::uint32_t Mesh::primitive_count() const {
 
 Mesh::Triangle Mesh::triangle(std::uint32_t primitive) const {
     const std::uint32_t* corner = &indices_[3 * std::size_t{primitive}];
-    return {corner[0],
-            corner[1],
-            corner[2],
-            positions_[corner[0]],
-            positions_[corner[1]],
-            positions_[corner[2]]};
+    const float* const a0 = vertices_.at(corner[0]);
+    const float* const a1 = vertices_.at(corner[1]);
+    const float* const a2 = vertices_.at(corner[2]);
+    return {a0,
+            a1,
+            a2,
+            MeshVertices::position(a0),
+            MeshVertices::position(a1),
+            MeshVertices::position(a2)};
 }
 
 Vector2 Mesh::uv_at(const Triangle& t, Vector3 b) const {
-    if (uvs_.empty()) return {b.y, b.z};
-    return b.x * uvs_[t.i0] + b.y * uvs_[t.i1] + b.z * uvs_[t.i2];
+    if (!vertices_.has_uvs()) return {b.y, b.z};
+    return b.x * vertices_.uv(t.a0) + b.y * vertices_.uv(t.a1) + b.z * vertices_.uv(t.a2);
 }
 
 /// The interpolated normal; `n` itself where that is none or points to the other side.
 Vector3 Mesh::shading_normal(const Triangle& t, Vector3 b, Vector3 n) const {
-    if (normals_.empty()) return n;
-    const Vector3 ns =
-        glm::normalize(b.x * normals_[t.i0] + b.y * normals_[t.i1] + b.z * normals_[t.i2]);
+    if (!vertices_.has_normals()) return n;
+    const Vector3 ns = glm::normalize(b.x * vertices_.normal(t.a0) + b.y * vertices_.normal(t.a1) +
+                                      b.z * vertices_.normal(t.a2));
     return glm::dot(ns, n) > 0 ? ns : n;
 }
 
@@ -233,8 +248,9 @@ void Mesh::fill_derivatives(const Triangle& t, Interaction& at) const {
     const Vector3 edge1 = t.v1 - t.v0, edge2 = t.v2 - t.v0;
     at.dpdu = edge1;
     at.dpdv = edge2;
-    if (uvs_.empty()) return;
-    const Vector2 duv1 = uvs_[t.i1] - uvs_[t.i0], duv2 = uvs_[t.i2] - uvs_[t.i0];
+    if (!vertices_.has_uvs()) return;
+    const Vector2 uv0 = vertices_.uv(t.a0);
+    const Vector2 duv1 = vertices_.uv(t.a1) - uv0, duv2 = vertices_.uv(t.a2) - uv0;
     const float a = duv1.x * duv2.y, b = duv1.y * duv2.x;
     const float determinant = a - b;
     if (std::abs(determinant) > 1e-6f * (std::abs(a) + std::abs(b))) {
@@ -259,7 +275,18 @@ void Mesh::fill(const Ray&, const Hit& hit, Interaction& at) const {
     at.n = side * n;
     at.uv = uv_at(t, b);
     fill_derivatives(t, at);
-    at.shading = Frame::from_normal_tangent(side * shading_normal(t, b, n), at.dpdu);
+    at.shading = vertices_.has_normals() || vertices_.has_uvs()
+                     ? Frame::from_normal_tangent(side * shading_normal(t, b, n), at.dpdu)
+                     : Frame::from_normal_perpendicular(at.n, at.dpdu);
+}
+
+void Mesh::prefetch(std::uint32_t primitive, Prefetch what) const {
+    const std::uint32_t* const corner = &indices_[3 * std::size_t{primitive}];
+    if (what == Prefetch::addresses) {
+        __builtin_prefetch(corner);
+    } else {
+        for (int i = 0; i < 3; ++i) __builtin_prefetch(vertices_.at(corner[i]));
+    }
 }
 
 float Mesh::area(std::uint32_t primitive) const {

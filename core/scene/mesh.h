@@ -38,11 +38,42 @@ struct MeshData {
     void flip_v();
 };
 
+/// Position, normal and texture coordinates of a vertex side by side, as far as there are any: a
+/// hit reads three vertices, and each should cost one line of the cache.
+class MeshVertices {
+public:
+    MeshVertices() = default;
+    explicit MeshVertices(const MeshData& data);
+
+    std::size_t count() const { return count_; }
+    bool has_normals() const { return normal_ != 0; }
+    bool has_uvs() const { return uv_ != 0; }
+    VertexPositions positions() const { return {at(0), count_, stride_}; }
+
+    /// Of the vertex that begins at `v`; the latter two only if there are any.
+    const float* at(std::uint32_t i) const {
+        return lines_.data()->floats + i * std::size_t{stride_};
+    }
+    static Vector3 position(const float* v) { return {v[0], v[1], v[2]}; }
+    Vector3 normal(const float* v) const { return position(v + normal_); }
+    Vector2 uv(const float* v) const { return {v[uv_], v[uv_ + 1]}; }
+
+private:
+    struct alignas(64) CacheLine {
+        float floats[16];
+    };
+    std::vector<CacheLine> lines_ = std::vector<CacheLine>(1);
+    std::size_t count_ = 0;
+    std::uint32_t stride_ = 3;
+    std::uint32_t normal_ = 0, uv_ = 0;  ///< offsets; zero: none
+};
+
 class Mesh : public Shape {
 public:
     Geometry geometry() const final;
     Bounds3 bounds() const final { return bounds_; }
     void fill(const Ray& ray, const Hit& hit, Interaction& at) const final;
+    void prefetch(std::uint32_t primitive, Prefetch what) const final;
 
     std::uint32_t primitive_count() const final;
     float area(std::uint32_t primitive) const final;
@@ -55,7 +86,7 @@ public:
     std::pair<Vector3, float> normal_cone(std::uint32_t primitive) const final;
     Bounds3 primitive_bounds(std::uint32_t primitive) const final;
 
-    std::size_t vertex_count() const { return vertex_count_; }
+    std::size_t vertex_count() const { return vertices_.count(); }
 
 protected:
     /// Reads what all meshes have: `face_normals`. Empty until `assign`.
@@ -71,12 +102,10 @@ private:
     Vector3 shading_normal(const Triangle& triangle, Vector3 barycentrics, Vector3 n) const;
     void fill_derivatives(const Triangle& triangle, Interaction& at) const;
 
-    std::vector<Vector3> positions_, normals_;
-    std::vector<Vector2> uvs_;
+    MeshVertices vertices_;
     std::vector<std::uint32_t> indices_;
-    std::size_t vertex_count_ = 0;
-    Bounds3 bounds_;
     bool face_normals_ = false;
+    Bounds3 bounds_;
 };
 
 }  // namespace lucerna

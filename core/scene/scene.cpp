@@ -99,42 +99,76 @@ void Scene::collect_lights() {
     }
 }
 
-std::optional<Interaction> Scene::intersect(const Ray& ray) const {
-    RayStatistics& statistics = thread_ray_statistics();
-    if (!is_traceable(ray)) [[unlikely]] {
-        ++statistics.dropped;
-        return {};
+/// False if the hit is to be passed over: it is on the primitive that the ray starts on, or its
+/// distance is not where the primitive is (edge-on slivers).
+bool Scene::fill(const Ray& ray, const SceneHit& met, Interaction& at) const {
+    if (met.flat && met.id == ray.source) return false;
+    at.shape = met.shape;
+    at.primitive = met.hit.primitive;
+    if (met.flat) at.source = met.id;
+    at.t = met.hit.t;
+    if (met.instance) [[unlikely]] {
+        fill_through_instance(met, ray, at);
+    } else {
+        met.shape->fill(ray, met.hit, at);
     }
-    float tmin = 0;
-    // A hit is passed over if it is the primitive that the ray starts on, or if its distance is
-    // not where the primitive is (edge-on slivers). Each is rare; a bound keeps it finite.
-    for (int attempt = 0; attempt < 8; ++attempt) {
-        ++statistics.intersections;
+    const float distance = glm::dot(at.p - ray.o, ray.d);
+    const float tolerance = 1e-3f * std::max(std::abs(distance), at.t) + 64 * at.error;
+    if (!(std::abs(distance - at.t) <= tolerance)) [[unlikely]] {
+        ++thread_ray_statistics().rejected;
+        return false;
+    }
+    keep_viewer_above(at, -ray.d);
+    return true;
+}
+
+/// What passes a hit over is rare; a bound on the number of attempts keeps it finite.
+std::optional<Interaction> Scene::intersect_from(const Ray& ray, float tmin, int attempt) const {
+    for (; attempt < 8; ++attempt) {
+        ++thread_ray_statistics().intersections;
         const std::optional<SceneHit> met = accelerator_->intersect(ray, tmin);
         if (!met) return {};
-        tmin = next_float_up(met->hit.t);
-        if (met->flat && met->id == ray.source) continue;
-
         std::optional<Interaction> at(std::in_place);
-        at->shape = met->shape;
-        at->primitive = met->hit.primitive;
-        if (met->flat) at->source = met->id;
-        at->t = met->hit.t;
-        if (met->instance) [[unlikely]] {
-            fill_through_instance(*met, ray, *at);
-        } else {
-            met->shape->fill(ray, met->hit, *at);
-        }
-        const float distance = glm::dot(at->p - ray.o, ray.d);
-        const float tolerance = 1e-3f * std::max(std::abs(distance), at->t) + 64 * at->error;
-        if (!(std::abs(distance - at->t) <= tolerance)) [[unlikely]] {
-            ++statistics.rejected;
-            continue;
-        }
-        keep_viewer_above(*at, -ray.d);
-        return at;
+        if (fill(ray, *met, *at)) return at;
+        tmin = next_float_up(met->hit.t);
     }
     return {};
+}
+
+std::optional<Interaction> Scene::intersect(const Ray& ray) const {
+    if (!is_traceable(ray)) [[unlikely]] {
+        ++thread_ray_statistics().dropped;
+        return {};
+    }
+    return intersect_from(ray, 0, 0);
+}
+
+void Scene::intersect(std::span<TracedRay* const> rays) const {
+    constexpr std::size_t most = 64;
+    for (; rays.size() > most; rays = rays.subspan(most)) intersect(rays.first(most));
+    RayStatistics& statistics = thread_ray_statistics();
+    std::optional<SceneHit> met[most];
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray& ray = rays[i]->ray;
+        if (!is_traceable(ray)) [[unlikely]] {
+            ++statistics.dropped;
+            continue;
+        }
+        ++statistics.intersections;
+        met[i] = accelerator_->intersect(ray, 0);
+        if (met[i]) met[i]->shape->prefetch(met[i]->hit.primitive, Shape::Prefetch::addresses);
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (met[i]) met[i]->shape->prefetch(met[i]->hit.primitive, Shape::Prefetch::data);
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        TracedRay& traced = *rays[i];
+        traced.hit.reset();
+        if (!met[i]) continue;
+        traced.hit.emplace();
+        if (fill(traced.ray, *met[i], *traced.hit)) continue;
+        traced.hit = intersect_from(traced.ray, next_float_up(met[i]->hit.t), 1);
+    }
 }
 
 bool Scene::occluded(const Ray& ray) const {

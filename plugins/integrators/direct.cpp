@@ -47,11 +47,11 @@ private:
 /// One sample of the BSDF, and the light that it finds.
 Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, Vector3 wo,
                                     SampleStream& stream) const {
-    const float u_lobe = stream.next_1d();
+    const Vector2 u_lobe = stream.next_2d();
     const Vector2 u = stream.next_2d();
     const BSDF& bsdf = *at.shape->bsdf();
     const std::optional<BSDFSample> next =
-        bsdf.sample(at, at.to_local(wo), u_lobe, u, TransportMode::radiance);
+        bsdf.sample(at, at.to_local(wo), u_lobe.x, u, TransportMode::radiance);
     if (!next || is_black(next->weight)) return Color(0);
     const Vector3 wi = next->lobe == Lobe::null ? -wo : at.to_world(next->wi);
     if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) return Color(0);

@@ -21,6 +21,13 @@ inline float power_heuristic(float a, float b) {
     return ratio * ratio / (1 + ratio * ratio);
 }
 
+/// Of Russian roulette, for a path of throughput `beta`; `eta2` undoes the scaling of radiance by
+/// refraction. The limit lets paths end where nothing is absorbed. A throughput that grows by
+/// albedo / limit at a step has infinite variance if albedo² > limit: only above 0.9995.
+inline float survival_probability(Color beta, float eta2) {
+    return std::min(max_component(beta) * eta2, 0.999f);
+}
+
 /// False where the shading normal and the geometric normal disagree about the side of `wi`:
 /// light must not leak through a surface because its normals are smooth (Veach 1997, 5.3).
 inline bool same_side(const Interaction& at, Vector3 wi, Vector3 wi_local) {
@@ -37,34 +44,66 @@ inline float light_density(const LightSampler& sampler, const Scene& scene, cons
 }
 
 /// Numbers of the sample stream that one call of `sample_lights` takes.
-inline std::uint32_t light_dimensions(const LightSampler& sampler) { return 3 * sampler.draws(); }
+inline std::uint32_t light_dimensions(const LightSampler& sampler) { return 4 * sampler.draws(); }
 
-/// Direct light at `at` towards `wo` by light sampling, one pass over all draws of the sampler,
-/// each weighted against `bsdf_samples` samples of the BSDF; `passes` such passes are averaged by
-/// the caller.
+/// One draw of light sampling: what it adds if nothing lies between.
+struct LightEstimate {
+    LightSample sample;
+    Color value{0};
+};
+
+/// Where and how a surface is seen, for light sampling.
+struct LitSurface {
+    const Interaction& at;
+    const BSDF& bsdf;
+    Vector3 wo_local;
+    Receiver receiver;
+
+    LitSurface(const Interaction& interaction, const BSDF& material, Vector3 wo)
+        : at(interaction),
+          bsdf(material),
+          wo_local(interaction.to_local(wo)),
+          receiver(interaction.receiver(wo, material.sides())) {}
+};
+
+/// Draw number `draw` of the sampler, weighted against `bsdf_samples` samples of the BSDF; `passes`
+/// such draws are averaged by the caller. Empty: nothing can arrive.
+inline std::optional<LightEstimate> sample_light(const Scene& scene, const LightSampler& sampler,
+                                                 const LitSurface& surface, std::uint32_t draw,
+                                                 float passes, float bsdf_samples,
+                                                 SampleStream& stream) {
+    const Vector2 u_light = stream.next_2d();
+    const Vector2 u = stream.next_2d();
+    const Interaction& at = surface.at;
+    const std::optional<LightChoice> choice = sampler.sample(surface.receiver, draw, u_light.x);
+    if (!choice) return {};
+    const Light& light = scene.lights()[choice->light];
+    const std::optional<LightSample> sample = light.emitter->sample_li(light, surface.receiver, u);
+    if (!sample || is_black(sample->radiance)) return {};
+    const Vector3 wi_local = at.to_local(sample->wi);
+    if (!same_side(at, sample->wi, wi_local)) return {};
+    const BSDFValue value =
+        surface.bsdf.evaluate(at, surface.wo_local, wi_local, TransportMode::radiance);
+    if (is_black(value.f)) return {};
+    const float density = choice->pmf * sample->pdf;
+    const float weight =
+        sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);
+    return LightEstimate{*sample,
+                         value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density)};
+}
+
+/// Direct light at `at` towards `wo` by light sampling: one pass over all draws of the sampler.
 inline Color sample_lights(const Scene& scene, const LightSampler& sampler, const BSDF& bsdf,
                            const Interaction& at, Vector3 wo, float passes, float bsdf_samples,
                            SampleStream& stream) {
-    const Receiver receiver = at.receiver(wo, bsdf.sides());
-    const Vector3 wo_local = at.to_local(wo);
+    const LitSurface surface(at, bsdf, wo);
     ColorD sum(0);  // in double: there may be a million draws
     for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
-        const float u_light = stream.next_1d();
-        const Vector2 u = stream.next_2d();
-        const std::optional<LightChoice> choice = sampler.sample(receiver, draw, u_light);
-        if (!choice) continue;
-        const Light& light = scene.lights()[choice->light];
-        const std::optional<LightSample> sample = light.emitter->sample_li(light, receiver, u);
-        if (!sample || is_black(sample->radiance)) continue;
-        const Vector3 wi_local = at.to_local(sample->wi);
-        if (!same_side(at, sample->wi, wi_local)) continue;
-        const BSDFValue value = bsdf.evaluate(at, wo_local, wi_local, TransportMode::radiance);
-        if (is_black(value.f)) continue;
-        if (scene.occluded(receiver, *sample)) continue;
-        const float density = choice->pmf * sample->pdf;
-        const float weight =
-            sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);
-        sum += ColorD(value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density));
+        const auto estimate =
+            sample_light(scene, sampler, surface, draw, passes, bsdf_samples, stream);
+        if (estimate && !scene.occluded(surface.receiver, estimate->sample)) {
+            sum += ColorD(estimate->value);
+        }
     }
     return Color(sum);
 }

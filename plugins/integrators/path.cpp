@@ -7,6 +7,7 @@
 #include "plugins/integrators/light_sampling.h"
 
 #include <limits>
+#include <vector>
 
 namespace lucerna {
 
@@ -31,8 +32,11 @@ public:
     int light_bounces() const override {
         return max_depth_ < 0 ? std::numeric_limits<int>::max() : std::max(max_depth_ - 2, -1);
     }
-    void sample(const Scene& scene, const Ray& camera_ray, SampleStream& stream,
+    void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
                 PixelSample& result) const override;
+    /// Samplers of many draws take long for one sample; whoever interrupts must not wait for more.
+    std::size_t batch_size() const override { return light_sampler_.draws() <= 8 ? 64 : 1; }
+    void sample_batch(const Scene& scene, std::span<CameraSample> samples) const override;
 
 private:
     /// The last vertex, as far as emission found by chance depends on it.
@@ -41,13 +45,32 @@ private:
         float pdf = 0;
         bool specular = true;  ///< light sampling could not have found the next vertex
     };
+    /// A path on its way: the ray to the vertex that comes, and what is there.
+    struct Path : TracedRay {
+        explicit Path(CameraSample& s) : TracedRay{s.ray}, sample(&s) {}
+
+        CameraSample* sample;
+        Vertex before;
+        Color beta{1};
+        float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
+        Vector2 u_direction{0}, u_lobe_and_roulette{0};
+        std::optional<LitSurface> surface;
+        std::optional<LightEstimate> light;
+        ColorD direct{0};
+    };
+    using Paths = std::vector<Path*>;
+
     static constexpr std::uint32_t camera_dimensions = 4;
-    // Of a bounce: lobe, direction, light samples, roulette.
+    // Of a bounce: direction, lobe and roulette, light samples. All in pairs, which the sampler
+    // computes together.
     static constexpr std::uint32_t bsdf_dimensions = 4;
 
     Color environment(const Scene& scene, const Vertex& before, Vector3 d) const;
     Color emission(const Scene& scene, const Vertex& before, const Interaction& at,
                    Vector3 wo) const;
+    bool arrive(const Scene& scene, Path& path, int depth) const;
+    void add_direct_light(const Scene& scene, const Paths& paths, int depth) const;
+    bool scatter(Path& path, int depth) const;
 
     int max_depth_;
     int rr_depth_;
@@ -84,61 +107,92 @@ Color PathIntegrator::emission(const Scene& scene, const Vertex& before, const I
                                                                 before.receiver, -wo, at));
 }
 
-void PathIntegrator::sample(const Scene& scene, const Ray& camera_ray, SampleStream& stream,
-                            PixelSample& result) const {
-    Ray ray = camera_ray;
-    Vertex vertex;
-    Color beta(1);
-    float eta2 = 1;  // undoes the scaling of radiance by refraction, for Russian roulette
-    const int max_depth = max_depth_ < 0 ? std::numeric_limits<int>::max() : max_depth_;
+/// Adds what is emitted where the ray ends; false if the path ends there, too.
+bool PathIntegrator::arrive(const Scene& scene, Path& path, int depth) const {
+    PixelSample& result = path.sample->result;
+    const bool show = depth > 0 || !hide_emitters_;
+    if (!path.hit) {
+        if (show) result.radiance += path.beta * environment(scene, path.before, path.ray.d);
+        if (depth == 0) result.alpha = show && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
+        return false;
+    }
+    const Vector3 wo = -path.ray.d;
+    if (show) result.radiance += path.beta * emission(scene, path.before, *path.hit, wo);
+    return true;
+}
 
-    for (int depth = 0; depth < max_depth; ++depth) {
-        const bool show = depth > 0 || !hide_emitters_;
-        const std::optional<Interaction> hit = scene.intersect(ray);
-        if (!hit) {
-            if (show) result.radiance += beta * environment(scene, vertex, ray.d);
-            if (depth == 0) result.alpha = show && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
-            return;
+/// Light sampling at the vertices of all paths, then all shadow rays.
+void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, int depth) const {
+    for (Path* path : paths) {
+        SampleStream& stream = path->sample->stream;
+        stream.jump_to(camera_dimensions + static_cast<std::uint32_t>(depth) * dimensions_);
+        path->u_direction = stream.next_2d();
+        path->u_lobe_and_roulette = stream.next_2d();
+        path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
+        path->direct = ColorD(0);  // in double: there may be a million draws
+    }
+    for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
+        for (Path* path : paths) {
+            path->light.reset();
+            if (!any(path->surface->bsdf.lobes() & smooth_lobes)) continue;
+            path->light = sample_light(scene, light_sampler_, *path->surface, draw, 1, 1,
+                                       path->sample->stream);
         }
-        const Interaction& at = *hit;
-        const Vector3 wo = -ray.d;
-        if (show) result.radiance += beta * emission(scene, vertex, at, wo);
-        if (depth + 1 >= max_depth) return;
-
-        // Light sampled directly
-        const std::uint32_t dimension =
-            camera_dimensions + static_cast<std::uint32_t>(depth) * dimensions_;
-        stream.jump_to(dimension);
-        const float u_lobe = stream.next_1d();
-        const Vector2 u_direction = stream.next_2d();
-        const BSDF& bsdf = *at.shape->bsdf();
-        if (any(bsdf.lobes() & smooth_lobes)) {
-            result.radiance +=
-                beta * sample_lights(scene, light_sampler_, bsdf, at, wo, 1, 1, stream);
-        }
-
-        // Continue along a direction of the BSDF
-        const std::optional<BSDFSample> next =
-            bsdf.sample(at, at.to_local(wo), u_lobe, u_direction, TransportMode::radiance);
-        if (!next || is_black(next->weight)) return;
-        const Vector3 wi = next->lobe == Lobe::null ? ray.d : at.to_world(next->wi);
-        if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) return;
-        beta *= next->weight;
-        if (is_black(beta)) return;  // underflow: nothing that follows can be seen
-        eta2 *= sqr(next->eta);
-        vertex = {.receiver = at.receiver(wo, bsdf.sides()),
-                  .pdf = next->pdf,
-                  .specular = next->specular()};
-        ray = at.spawn_ray(wi);
-
-        // End dim paths, without changing the mean
-        if (depth + 1 >= rr_depth_) {
-            const float survival = std::min(max_component(beta) * eta2, 0.95f);
-            stream.jump_to(dimension + dimensions_ - 1);
-            if (!(stream.next_1d() < survival)) return;
-            beta /= survival;
+        for (Path* path : paths) {
+            if (!path->light) continue;
+            if (scene.occluded(path->surface->receiver, path->light->sample)) continue;
+            path->direct += ColorD(path->light->value);
         }
     }
+    for (Path* path : paths) path->sample->result.radiance += path->beta * Color(path->direct);
+}
+
+/// Continues along a direction of the BSDF; false if the path ends.
+bool PathIntegrator::scatter(Path& path, int depth) const {
+    const Interaction& at = *path.hit;
+    const LitSurface& surface = *path.surface;
+    const std::optional<BSDFSample> next =
+        surface.bsdf.sample(at, surface.wo_local, path.u_lobe_and_roulette.x, path.u_direction,
+                            TransportMode::radiance);
+    if (!next || is_black(next->weight)) return false;
+    const Vector3 wi = next->lobe == Lobe::null ? path.ray.d : at.to_world(next->wi);
+    if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) return false;
+    path.beta *= next->weight;
+    if (is_black(path.beta)) return false;  // underflow: nothing that follows can be seen
+    path.eta2 *= sqr(next->eta);
+    path.before = {.receiver = surface.receiver, .pdf = next->pdf, .specular = next->specular()};
+    path.ray = at.spawn_ray(wi);
+    if (depth + 1 < rr_depth_) return true;
+
+    // End dim paths, without changing the mean
+    const float survival = survival_probability(path.beta, path.eta2);
+    if (!(path.u_lobe_and_roulette.y < survival)) return false;
+    path.beta /= survival;
+    return true;
+}
+
+/// All paths step by step together: while one waits for memory, the others go on.
+void PathIntegrator::sample_batch(const Scene& scene, std::span<CameraSample> samples) const {
+    const int max_depth = max_depth_ < 0 ? std::numeric_limits<int>::max() : max_depth_;
+    std::vector<Path> paths;
+    paths.reserve(samples.size());
+    Paths active;
+    for (CameraSample& sample : samples) active.push_back(&paths.emplace_back(sample));
+    for (int depth = 0; depth < max_depth && !active.empty(); ++depth) {
+        const std::vector<TracedRay*> rays(active.begin(), active.end());
+        scene.intersect(rays);
+        std::erase_if(active, [&](Path* path) { return !arrive(scene, *path, depth); });
+        if (depth + 1 >= max_depth) return;
+        add_direct_light(scene, active, depth);
+        std::erase_if(active, [&](Path* path) { return !scatter(*path, depth); });
+    }
+}
+
+void PathIntegrator::sample(const Scene& scene, const Ray& ray, SampleStream& stream,
+                            PixelSample& result) const {
+    CameraSample one{ray, stream, result};
+    sample_batch(scene, std::span(&one, 1));
+    result = one.result;
 }
 
 }  // namespace

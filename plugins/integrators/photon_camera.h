@@ -58,7 +58,7 @@ private:
         bool specular = true;  ///< light sampling could not have found the next vertex
     };
     static constexpr std::uint32_t camera_dimensions = 4;
-    static constexpr std::uint32_t bsdf_dimensions = 4;  // lobe, direction, roulette
+    static constexpr std::uint32_t bsdf_dimensions = 4;  // direction, lobe and roulette
 
     Color environment(const Vertex& before, Vector3 d) const;
     Color emission(const Vertex& before, const Interaction& at, Vector3 wo) const;
@@ -115,11 +115,9 @@ void CameraWalk::operator()(Ray ray, SampleStream& stream, PixelSample& result,
         if (show) result.radiance += beta * emission(vertex, at, wo);
         if (edges == settings_.max_depth) return;
 
-        const std::uint32_t dimension =
-            camera_dimensions + static_cast<std::uint32_t>(edges - 1) * dimensions_;
-        stream.jump_to(dimension);
-        const float u_lobe = stream.next_1d();
+        stream.jump_to(camera_dimensions + static_cast<std::uint32_t>(edges - 1) * dimensions_);
         const Vector2 u_direction = stream.next_2d();
+        const Vector2 u_lobe_and_roulette = stream.next_2d();
         const BSDF& bsdf = *at.shape->bsdf();
         const bool gathers = stores_photons(bsdf);
         if (gathers) {
@@ -129,8 +127,8 @@ void CameraWalk::operator()(Ray ray, SampleStream& stream, PixelSample& result,
             result.radiance +=
                 beta * sample_lights(scene_, light_sampler_, bsdf, at, wo, 1, 1, stream);
         }
-        const std::optional<BSDFSample> next =
-            bsdf.sample(at, at.to_local(wo), u_lobe, u_direction, TransportMode::radiance);
+        const std::optional<BSDFSample> next = bsdf.sample(
+            at, at.to_local(wo), u_lobe_and_roulette.x, u_direction, TransportMode::radiance);
         if (!next || is_black(next->weight)) return;
         if (gathers && !next->specular()) return;  // has been gathered
         const Vector3 wi = next->lobe == Lobe::null ? ray.d : at.to_world(next->wi);
@@ -143,9 +141,8 @@ void CameraWalk::operator()(Ray ray, SampleStream& stream, PixelSample& result,
         ray = at.spawn_ray(wi);
 
         if (edges >= 5) {
-            const float survival = std::min(max_component(beta) * eta2, 0.95f);
-            stream.jump_to(dimension + dimensions_ - 1);
-            if (!(stream.next_1d() < survival)) return;
+            const float survival = survival_probability(beta, eta2);
+            if (!(u_lobe_and_roulette.y < survival)) return;
             beta /= survival;
         }
     }

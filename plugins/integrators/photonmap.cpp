@@ -203,17 +203,17 @@ Color PhotonMapIntegrator::gather_ray(const Scene& scene, const Maps& maps, Inte
     bool may_be_smooth = true, may_be_specular = false;
     while (edges + 1 < limits_.max_depth) {
         const BSDF& bsdf = *at.shape->bsdf();
-        const float u_lobe = stream.next_1d();
         const Vector2 u = stream.next_2d();
-        const float u_roulette = stream.next_1d();
-        const auto next = bsdf.sample(at, at.to_local(wo), u_lobe, u, TransportMode::radiance);
+        const Vector2 u_lobe_and_roulette = stream.next_2d();
+        const auto next =
+            bsdf.sample(at, at.to_local(wo), u_lobe_and_roulette.x, u, TransportMode::radiance);
         if (!next || !(next->specular() ? may_be_specular : may_be_smooth)) break;
         const Vector3 wi = next->lobe == Lobe::null ? -wo : at.to_world(next->wi);
         if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) break;
         beta *= next->weight;
         if (++edges > 8) {
-            const float survival = std::min(max_component(beta), 0.95f);
-            if (!(u_roulette < survival)) break;
+            const float survival = survival_probability(beta, 1);
+            if (!(u_lobe_and_roulette.y < survival)) break;
             beta /= survival;
         }
         const std::optional<Interaction> hit = scene.intersect(at.spawn_ray(wi));

@@ -23,6 +23,21 @@ public:
                       std::uint32_t dimension) const override {
         return sobol_owen_2d(index, raw_key(sequence, dimension));
     }
+
+    void sample_block(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
+                      Vector2 (&pairs)[block_pairs]) const override {
+        FourUints order{}, first{}, second{};
+        static_assert(sizeof order == block_pairs * sizeof(std::uint32_t));
+        for (std::uint32_t i = 0; i < block_pairs; ++i) {
+            const SequenceSeeds seeds(index, raw_key(sequence, dimension + 2 * i));
+            order[i] = seeds.order(), first[i] = seeds.first(), second[i] = seeds.second();
+        }
+        const FourUints indices = FourUints{} + static_cast<std::uint32_t>(index);
+        const auto points = sobol_owen_2d_bits(indices, order, first, second);
+        for (std::uint32_t i = 0; i < block_pairs; ++i) {
+            pairs[i] = {uint_to_float(points.x[i]), uint_to_float(points.y[i])};
+        }
+    }
 };
 
 }  // namespace

@@ -143,6 +143,44 @@ TEST(ClosedMeshes, A8_InsideAndOutsideAlternateAlongARay) {
 }
 
 /// Strips a thousand times longer than wide, seen edge-on: hits lie where the triangle is.
+TEST(ManyRays, MeetWhatEachMeetsAlone) {
+    const ClosedMesh mesh("<scale x='1' y='0.3' z='1'/>");
+    const Scene& scene = mesh.scene();
+    Random random(11);
+    std::vector<TracedRay> rays(150);
+    std::vector<TracedRay*> pointers;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Vector3 o = random.in_box(2), target = random.in_box(0.3f);
+        rays[i].ray = {.o = o, .d = glm::normalize(target - o)};
+        if (i % 50 == 7) rays[i].ray.d.x = infinity;
+        if (i % 3 == 0) {  // starts on the surface, and must not meet it there
+            if (const auto at = scene.intersect(rays[i].ray)) {
+                rays[i].ray = at->spawn_ray(random.direction());
+            }
+        }
+        pointers.push_back(&rays[i]);
+    }
+    const RayStatistics before = ray_statistics();
+    scene.intersect(pointers);
+    const RayStatistics middle = ray_statistics();
+    int hits = 0;
+    for (const TracedRay& traced : rays) {
+        const std::optional<Interaction> alone = scene.intersect(traced.ray);
+        ASSERT_EQ(traced.hit.has_value(), alone.has_value());
+        if (!alone) continue;
+        ++hits;
+        EXPECT_EQ(traced.hit->p, alone->p);
+        EXPECT_EQ(traced.hit->t, alone->t);
+        EXPECT_EQ(traced.hit->shading.s, alone->shading.s);
+        EXPECT_EQ(traced.hit->source, alone->source);
+    }
+    EXPECT_GT(hits, 30);
+    const RayStatistics after = ray_statistics();
+    EXPECT_EQ(middle.intersections - before.intersections,
+              after.intersections - middle.intersections);
+    EXPECT_EQ(middle.dropped - before.dropped, 3u);
+}
+
 TEST(Slivers, A11_DistancesAreThoseOfTheTriangle) {
     const TemporaryFolder folder;
     Random random(5);

@@ -120,6 +120,36 @@ TEST_F(Samplers, ArePureFunctions) {
     }
 }
 
+TEST_F(Samplers, BlocksHoldThePairs) {
+    for (const auto& [name, s] : samplers_) {
+        for (const std::uint64_t index : {std::uint64_t{0}, std::uint64_t{37}, ~std::uint64_t{0}}) {
+            for (const std::uint32_t dimension : {0u, 3u, 1022u}) {
+                Vector2 pairs[Sampler::block_pairs];
+                s->sample_block(0x123456789abcdef, index, dimension, pairs);
+                SampleStream stream(*s, 0x123456789abcdef, index);
+                stream.jump_to(dimension);
+                for (std::uint32_t i = 0; i < Sampler::block_pairs; ++i) {
+                    const Vector2 expected =
+                        s->sample_2d(0x123456789abcdef, index, dimension + 2 * i);
+                    EXPECT_EQ(pairs[i], expected) << name << " " << index << " " << dimension;
+                    EXPECT_EQ(stream.next_2d(), expected) << name;
+                }
+            }
+        }
+    }
+}
+
+TEST_F(Samplers, AStreamMayJumpAnywhere) {
+    for (const auto& [name, s] : samplers_) {
+        SampleStream stream(*s, 77, 5);
+        for (const std::uint32_t dimension : {4u, 6u, 5u, 20u, 12u, 13u, 0u, 14u}) {
+            stream.jump_to(dimension);
+            EXPECT_EQ(stream.next_2d(), s->sample_2d(77, 5, dimension)) << name;
+            EXPECT_EQ(stream.next_1d(), s->sample_1d(77, 5, dimension + 2)) << name;
+        }
+    }
+}
+
 TEST_F(Samplers, AreUniformOverSequences) {
     for (const auto& [name, s] : samplers_) {
         SCOPED_TRACE(name);
