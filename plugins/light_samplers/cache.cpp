@@ -93,7 +93,7 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
         params.real("coverage", 0.9, unit_interval,
                     "of what the candidates bring, by the lights that are weighed at points");
     options_.rays = count("shadow_rays", 512, 1 << 16, "shadow rays that a cell learns from");
-    options_.candidates = count("candidates", 512, 1 << 16, "lights that a cell considers");
+    options_.candidates = count("candidates", 1024, 1 << 16, "lights that a cell considers");
     options_.lent_rays = params.real("lent_rays", 4, non_negative,
                                      "shadow rays that what the cells around have learnt of a "
                                      "light counts for");

@@ -200,7 +200,7 @@ inline float KeptLights::tail_share(LightStudy& study, const SceneLights& lights
     }
     const double a = std::sqrt(list2), b = std::sqrt(tree2);
     const double best = a + b > 0 ? b / (a + b) : 0.3;
-    if (best > 0.97) return 1;
+    if (best > 0.9) return 1;
     constexpr double prior_draws = 8, prior = 0.3;
     const double share = (draws * best + prior_draws * prior) / (draws + prior_draws);
     return static_cast<float>(std::min(share, 0.9));
