@@ -189,7 +189,7 @@ TEST(EmissivePlane, O16_I6_I7_H1_ForEveryFieldOfViewAndFilter) {
                                                .width = 9,
                                                .height = 5,
                                                .rfilter = rfilter}));
-            for (const std::uint64_t samples : {1, 3, 16}) {
+            for (const std::uint64_t samples : {1u, 3u, 16u}) {
                 EXPECT_TRUE(is_constant(scene.render({.per_pixel = samples}), 1, 1e-6))
                     << rfilter << " " << fov << " " << samples;
             }

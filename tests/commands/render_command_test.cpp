@@ -291,7 +291,7 @@ TEST_F(RenderCommandTest, N7_too_little_memory_is_an_error_and_no_crash) {
     const std::string before = read_whole(folder / "scene.exr");
     int refused = 0;
     // What the film of this size needs is far above, what a small render needs below the limits.
-    for (const rlim_t megabytes : {1000, 1300, 1600}) {
+    for (const rlim_t megabytes : {1000u, 1300u, 1600u}) {
         Process process(folder.path(),
                         {"render", "scene.xml", "-q", "--threads", "1", "--resolution",
                          "12000x12000", "--spp", "1"},

@@ -45,7 +45,8 @@ TEST(FileBytes, HashTellsContentsAndSizesApart) {
     // Zeros at the end, blocks of which the last is not full, and every single byte count.
     std::set<std::uint64_t> hashes;
     std::size_t count = 0;
-    for (const std::size_t size : {0, 1, 2, 31, 32, 33, (1 << 18) - 1, 1 << 18, (1 << 18) + 1}) {
+    for (const std::size_t size :
+         {0u, 1u, 2u, 31u, 32u, 33u, (1u << 18) - 1, 1u << 18, (1u << 18) + 1}) {
         hashes.insert(hash(std::string(size, '\0')));
         ++count;
     }
