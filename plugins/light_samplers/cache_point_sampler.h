@@ -8,9 +8,9 @@
 ///   P(l | x) = (1 − α) (Σ_a max(0, n · e_a) I_a,l + [l ∈ N] v_l u_l(x)) / Σ_l (the same)
 ///
 /// where it is not zero, and α P_tree(l | x) of a light tree elsewhere: a light that the tree draws
-/// and the lists know is not used. α is learnt at k. Surfaces that receive light from both sides use the list of all
-/// directions instead of the six. With tail = none, α is 0: what lists leave out is then missing
-/// from the image.
+/// and the lists know is not used. α is learnt at k. Surfaces that receive light from both sides
+/// use the list of all directions instead of the six. With tail = none, α is 0: what lists leave
+/// out is then missing from the image.
 ///
 /// A lookup is constructed from parameters, `build(points, bounds)` once, and returns the index of
 /// a point that is close to a receiver: `find(at)`.
