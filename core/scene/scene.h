@@ -26,7 +26,7 @@ struct SceneParts {
     const Integrator* integrator = nullptr;
     const Sensor* sensor = nullptr;
     Vector3d origin{0};      ///< the point of the scene file that is world (0, 0, 0) now
-    std::uint64_t hash = 0;  ///< of the description
+    std::uint64_t hash = 0;  ///< of the description and the files it names
     int threads = 0;         ///< that may build; 0: all
 };
 

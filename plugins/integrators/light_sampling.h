@@ -43,6 +43,42 @@ inline float light_density(const LightSampler& sampler, const Scene& scene, cons
     return sampler.pmf(from, index) * light.emitter->pdf_li(light, from, wi, &hit);
 }
 
+/// The last vertex of a path, as far as light that the next ray finds by chance depends on it.
+struct PathVertex {
+    Receiver receiver;
+    float pdf = 0;         ///< with which the BSDF chose the ray [1/sr]
+    bool specular = true;  ///< light sampling could not have found what the ray finds
+};
+
+/// Light from infinity along `d`, weighted against having been sampled at the vertex before.
+inline Color found_environment(const Scene& scene, const LightSampler& sampler,
+                               const PathVertex& before, Vector3 d) {
+    Color sum(0);
+    for (const std::uint32_t i : scene.infinite_lights()) {
+        const Light& light = scene.lights()[i];
+        const Color radiance = light.emitter->environment(d);
+        if (is_black(radiance)) continue;
+        float weight = 1;
+        if (!before.specular) {
+            const float density = sampler.pmf(before.receiver, i) *
+                                  light.emitter->pdf_li(light, before.receiver, d, nullptr);
+            weight = power_heuristic(before.pdf, density);
+        }
+        sum += weight * radiance;
+    }
+    return sum;
+}
+
+/// Light that the surface at the end of the ray emits towards `wo`, weighted in the same way.
+inline Color found_emission(const Scene& scene, const LightSampler& sampler,
+                            const PathVertex& before, const Interaction& at, Vector3 wo) {
+    if (!at.shape->emitter()) return Color(0);
+    const Color radiance = at.shape->emitter()->radiance(at, wo);
+    if (is_black(radiance) || before.specular) return radiance;
+    const float density = light_density(sampler, scene, before.receiver, -wo, at);
+    return radiance * power_heuristic(before.pdf, density);
+}
+
 /// Numbers of the sample stream that one call of `sample_lights` takes.
 inline std::uint32_t light_dimensions(const LightSampler& sampler) { return 4 * sampler.draws(); }
 

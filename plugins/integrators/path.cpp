@@ -39,18 +39,12 @@ public:
     void sample_batch(const Scene& scene, std::span<CameraSample> samples) const override;
 
 private:
-    /// The last vertex, as far as emission found by chance depends on it.
-    struct Vertex {
-        Receiver receiver;
-        float pdf = 0;
-        bool specular = true;  ///< light sampling could not have found the next vertex
-    };
     /// A path on its way: the ray to the vertex that comes, and what is there.
     struct Path : TracedRay {
         explicit Path(CameraSample& s) : TracedRay{s.ray}, sample(&s) {}
 
         CameraSample* sample;
-        Vertex before;
+        PathVertex before;
         Color beta{1};
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
         Vector2 u_direction{0}, u_lobe_and_roulette{0};
@@ -65,9 +59,6 @@ private:
     // computes together.
     static constexpr std::uint32_t bsdf_dimensions = 4;
 
-    Color environment(const Scene& scene, const Vertex& before, Vector3 d) const;
-    Color emission(const Scene& scene, const Vertex& before, const Interaction& at,
-                   Vector3 wo) const;
     bool arrive(const Scene& scene, Path& path, int depth) const;
     void add_direct_light(const Scene& scene, const Paths& paths, int depth) const;
     bool scatter(Path& path, int depth) const;
@@ -79,45 +70,23 @@ private:
     std::uint32_t dimensions_ = 0;
 };
 
-/// Light from infinity, weighted against having been sampled at the vertex before.
-Color PathIntegrator::environment(const Scene& scene, const Vertex& before, Vector3 d) const {
-    Color sum(0);
-    for (const std::uint32_t i : scene.infinite_lights()) {
-        const Light& light = scene.lights()[i];
-        const Color radiance = light.emitter->environment(d);
-        if (is_black(radiance)) continue;
-        float weight = 1;
-        if (!before.specular) {
-            const float density = light_sampler_.pmf(before.receiver, i) *
-                                  light.emitter->pdf_li(light, before.receiver, d, nullptr);
-            weight = power_heuristic(before.pdf, density);
-        }
-        sum += weight * radiance;
-    }
-    return sum;
-}
-
-/// Light that a surface emits, weighted against having been sampled at the vertex before.
-Color PathIntegrator::emission(const Scene& scene, const Vertex& before, const Interaction& at,
-                               Vector3 wo) const {
-    if (!at.shape->emitter()) return Color(0);
-    const Color radiance = at.shape->emitter()->radiance(at, wo);
-    if (is_black(radiance) || before.specular) return radiance;
-    return radiance * power_heuristic(before.pdf, light_density(light_sampler_, scene,
-                                                                before.receiver, -wo, at));
-}
-
 /// Adds what is emitted where the ray ends; false if the path ends there, too.
 bool PathIntegrator::arrive(const Scene& scene, Path& path, int depth) const {
     PixelSample& result = path.sample->result;
     const bool show = depth > 0 || !hide_emitters_;
     if (!path.hit) {
-        if (show) result.radiance += path.beta * environment(scene, path.before, path.ray.d);
+        if (show) {
+            result.radiance +=
+                path.beta * found_environment(scene, light_sampler_, path.before, path.ray.d);
+        }
         if (depth == 0) result.alpha = show && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
         return false;
     }
     const Vector3 wo = -path.ray.d;
-    if (show) result.radiance += path.beta * emission(scene, path.before, *path.hit, wo);
+    if (show) {
+        result.radiance +=
+            path.beta * found_emission(scene, light_sampler_, path.before, *path.hit, wo);
+    }
     return true;
 }
 

@@ -51,17 +51,8 @@ public:
     void operator()(Ray ray, SampleStream& stream, PixelSample& result, Gather&& gather) const;
 
 private:
-    /// The last vertex, as far as emission found by chance depends on it.
-    struct Vertex {
-        Receiver receiver;
-        float pdf = 0;
-        bool specular = true;  ///< light sampling could not have found the next vertex
-    };
     static constexpr std::uint32_t camera_dimensions = 4;
     static constexpr std::uint32_t bsdf_dimensions = 4;  // direction, lobe and roulette
-
-    Color environment(const Vertex& before, Vector3 d) const;
-    Color emission(const Vertex& before, const Interaction& at, Vector3 wo) const;
 
     const Scene& scene_;
     const LightSampler& light_sampler_;
@@ -69,50 +60,27 @@ private:
     std::uint32_t dimensions_;
 };
 
-/// Light from infinity, weighted against having been sampled at the vertex before.
-inline Color CameraWalk::environment(const Vertex& before, Vector3 d) const {
-    Color sum(0);
-    for (const std::uint32_t i : scene_.infinite_lights()) {
-        const Light& light = scene_.lights()[i];
-        const Color radiance = light.emitter->environment(d);
-        if (is_black(radiance)) continue;
-        float weight = 1;
-        if (!before.specular) {
-            const float density = light_sampler_.pmf(before.receiver, i) *
-                                  light.emitter->pdf_li(light, before.receiver, d, nullptr);
-            weight = power_heuristic(before.pdf, density);
-        }
-        sum += weight * radiance;
-    }
-    return sum;
-}
-
-/// Light that a surface emits, weighted in the same way.
-inline Color CameraWalk::emission(const Vertex& before, const Interaction& at, Vector3 wo) const {
-    if (!at.shape->emitter()) return Color(0);
-    const Color radiance = at.shape->emitter()->radiance(at, wo);
-    if (is_black(radiance) || before.specular) return radiance;
-    return radiance * power_heuristic(before.pdf, light_density(light_sampler_, scene_,
-                                                                before.receiver, -wo, at));
-}
-
 template <typename Gather>
 void CameraWalk::operator()(Ray ray, SampleStream& stream, PixelSample& result,
                             Gather&& gather) const {
-    Vertex vertex;
+    PathVertex vertex;
     Color beta(1);
     float eta2 = 1;  // undoes the scaling of radiance by refraction, for Russian roulette
     for (int edges = 1; edges <= settings_.max_depth; ++edges) {
         const bool show = settings_.lights && (edges > 1 || !settings_.hide_emitters);
         const std::optional<Interaction> hit = scene_.intersect(ray);
         if (!hit) {
-            if (show) result.radiance += beta * environment(vertex, ray.d);
+            if (show) {
+                result.radiance += beta * found_environment(scene_, light_sampler_, vertex, ray.d);
+            }
             if (edges == 1) result.alpha = show && !scene_.infinite_lights().empty() ? 1.0f : 0.0f;
             return;
         }
         const Interaction& at = *hit;
         const Vector3 wo = -ray.d;
-        if (show) result.radiance += beta * emission(vertex, at, wo);
+        if (show) {
+            result.radiance += beta * found_emission(scene_, light_sampler_, vertex, at, wo);
+        }
         if (edges == settings_.max_depth) return;
 
         stream.jump_to(camera_dimensions + static_cast<std::uint32_t>(edges - 1) * dimensions_);

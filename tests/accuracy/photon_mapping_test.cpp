@@ -121,7 +121,7 @@ void check_light_above_floor(const std::string& light, const Irradiance& irradia
                            smoothed(irradiance, seen, radius) / (2 * pi), precision));
     }
     const std::string traced = integrator("ptracer", integer("max_depth", 2)) + content;
-    EXPECT_TRUE(agrees(image_means(traced, 8192, 8), smoothed(irradiance, seen, 0) / (2 * pi),
+    EXPECT_TRUE(agrees(image_means(traced, 16384, 8), smoothed(irradiance, seen, 0) / (2 * pi),
                        2 * precision));
 }
 
@@ -143,7 +143,7 @@ TEST(PhotonMapping, O7_SphereLight) {
         [](double x, double y) {
             return pi * sqr(0.5) * 1.5 / std::pow(x * x + y * y + sqr(1.5), 1.5);
         },
-        0.009);
+        0.008);
 }
 
 /// A point light at height 1, a mirror on the plane x = 2, the floor seen at x = 1.

@@ -22,7 +22,7 @@ namespace lucerna {
 inline std::string diffuse_city() {
     std::string text = R"(<scene version="3.0.0">
 <integrator type="path"><integer name="max_depth" value="6"/><integer name="rr_depth" value="100"/>
-</integrator>
+<light_sampler type="power"/></integrator>
 <sensor type="perspective"><float name="fov" value="50"/>
 <transform name="to_world"><lookat origin="0,45,-60" target="0,0,0" up="0,1,0"/></transform>
 <film type="hdrfilm"><integer name="width" value="320"/><integer name="height" value="180"/>
@@ -87,7 +87,7 @@ inline std::string diffuse_room(const std::filesystem::path& folder) {
     write_grid_ply(folder / "floor.ply", 707);
     std::string text = fmt::format(R"(<scene version="3.0.0">
 <integrator type="path"><integer name="max_depth" value="6"/><integer name="rr_depth" value="100"/>
-</integrator>
+<light_sampler type="power"/></integrator>
 <sensor type="perspective"><float name="fov" value="70"/>
 <transform name="to_world"><lookat origin="0,4,-9.5" target="0,1,0" up="0,1,0"/></transform>
 <film type="hdrfilm"><integer name="width" value="320"/><integer name="height" value="180"/>
