@@ -204,6 +204,18 @@ testing::AssertionResult judge(double value, double reference, double error, dou
 
 }  // namespace
 
+RunningStatistics image_means(const std::string& content, std::uint64_t samples, int images) {
+    const TestScene scene(content);
+    RunningStatistics result;
+    for (int i = 0; i < images; ++i) {
+        const FilmState film =
+            scene.render({.per_pixel = samples, .seed = static_cast<std::uint64_t>(i)});
+        EXPECT_EQ(film.dropped_samples(), 0u);
+        result.add(pixel_statistics(film).mean());
+    }
+    return result;
+}
+
 testing::AssertionResult agrees(const RunningStatistics& x, double reference, double precision) {
     return judge(x.mean(), reference, x.standard_error(), precision);
 }

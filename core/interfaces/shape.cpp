@@ -30,11 +30,11 @@ void require_affine(const Params& params, const Transform& transform) {
 
 }  // namespace
 
-Shape::Shape(const Params& params)
-    : bsdf_(&params.nested_or<BSDF>("diffuse", "how the surface scatters light")),
-      emitter_(params.nested<Emitter>("makes the surface a light: an area emitter")),
-      flip_normals_(params.boolean("flip_normals", false, "turns the normals inwards")),
-      world_from_object_(params.transform("to_world", "from the shape's own space to the world")) {
+Shape::Shape(const Params& params) {
+    world_from_object_ = params.transform("to_world", "from the shape's own space to the world");
+    bsdf_ = &params.nested_or<BSDF>("diffuse", "how the surface scatters light");
+    emitter_ = params.nested<Emitter>("makes the surface a light: an area emitter");
+    flip_normals_ = params.boolean("flip_normals", false, "turns the normals inwards");
     require_affine(params, world_from_object_);
     if (emitter_ && !emitter_->on_surface()) {
         params.error("emitter",

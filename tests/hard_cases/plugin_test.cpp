@@ -201,7 +201,7 @@ TEST(Libraries, OnlyWhatASceneNamesIsOpened) {
     EXPECT_EQ(
         scene.registry().opened(),
         (std::vector<std::string>{"bsdfs/diffuse", "emitters/point", "films/hdrfilm",
-                                  "integrators/path", "light_samplers/power", "rfilters/box",
+                                  "integrators/path", "light_samplers/cache", "rfilters/box",
                                   "samplers/independent", "sensors/perspective", "shapes/sphere"}));
     TestScene other("<integrator type='depth'/>" + xml({.to_world = look({0, 0, 5}, {0, 0, 0})}));
     EXPECT_EQ(other.registry().opened(),
