@@ -68,7 +68,8 @@ public:
     }
 
     void add(std::size_t pixel, bool negative, const Ray& ray, const SampleStream& stream) {
-        CameraSample& sample = samples_.emplace_back(ray, stream, PixelSample{});
+        samples_.push_back({.ray = ray, .stream = stream, .result = {}});
+        CameraSample& sample = samples_.back();
         sample.result.pixel = pixel;
         sample.result.layers =
             std::span(layers_).subspan((samples_.size() - 1) * layer_count_, layer_count_);

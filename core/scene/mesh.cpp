@@ -133,9 +133,12 @@ MeshVertices::MeshVertices(const MeshData& data) : count_(data.positions.size())
     lines_.resize((count_ * stride_ + padding + 15) / 16);
     float* v = lines_.data()->floats;
     for (std::size_t i = 0; i < count_; ++i, v += stride_) {
-        for (int k = 0; k < 3; ++k) v[k] = data.positions[i][k];
-        for (int k = 0; k < 3 && has_normals(); ++k) v[normal_ + k] = data.normals[i][k];
-        for (int k = 0; k < 2 && has_uvs(); ++k) v[uv_ + k] = data.uvs[i][k];
+        const auto put = [](float* to, const auto& from, int count) {
+            for (int k = 0; k < count; ++k) to[k] = from[k];
+        };
+        put(v, data.positions[i], 3);
+        if (has_normals()) put(v + normal_, data.normals[i], 3);
+        if (has_uvs()) put(v + uv_, data.uvs[i], 2);
     }
 }
 
