@@ -86,7 +86,7 @@ std::vector<double> numbers_of(const FilmState& film);
 /// Over the pixels, each the mean of its samples; pixels are independent of each other.
 RunningStatistics pixel_statistics(const FilmState& film, std::size_t channel = 0);
 /// Over independent images of a scene, each the mean of its pixels. No sample may be dropped.
-RunningStatistics image_means(const std::string& content, std::uint64_t samples, int images);
+RunningStatistics image_means(const std::string& content, std::uint64_t samples, int images = 12);
 /// Smallest and largest mean of a pixel in the channel.
 Interval pixel_range(const FilmState& film, std::size_t channel = 0);
 

@@ -49,9 +49,10 @@ public:
     float next_1d() { return sampler_.sample_1d(sequence_, index_, dimension_++); }
     Vector2 next_2d() {
         std::uint32_t place = dimension_ - block_begin_;
-        if (place >= 2 * Sampler::block_pairs || place % 2 != 0) {
+        if (place >= block_size_ || place % 2 != 0) {
             sampler_.sample_block(sequence_, index_, dimension_, block_);
             block_begin_ = dimension_;
+            block_size_ = 2 * Sampler::block_pairs;
             place = 0;
         }
         dimension_ += 2;
@@ -65,8 +66,8 @@ private:
     std::uint64_t sequence_;
     std::uint64_t index_;
     std::uint32_t dimension_ = 0;
-    // Pairs that were computed ahead, from this dimension on.
-    std::uint32_t block_begin_ = 2 * Sampler::block_pairs;
+    // Pairs that were computed ahead: first dimension, number of dimensions.
+    std::uint32_t block_begin_ = 0, block_size_ = 0;
     Vector2 block_[Sampler::block_pairs];
 };
 

@@ -38,19 +38,6 @@ const std::string other_lights =
     "<emitter type='spot'><rgb name='intensity' value='9'/><transform name='to_world'>" +
     look({0, 4, 1}, {0.3, 0, 0}) + "</transform></emitter>";
 
-/// Over whole images of different seeds: pixels of one image do not have the same mean.
-RunningStatistics image_means(const std::string& xml, std::uint64_t samples, int images = 12) {
-    const TestScene scene(xml);
-    RunningStatistics result;
-    for (int i = 0; i < images; ++i) {
-        const FilmState film =
-            scene.render({.per_pixel = samples, .seed = static_cast<std::uint64_t>(i)});
-        EXPECT_EQ(film.dropped_samples(), 0u);
-        result.add(pixel_statistics(film).mean());
-    }
-    return result;
-}
-
 std::string strategies(int emitter_samples, int bsdf_samples) {
     return direct_integrator(integer("emitter_samples", emitter_samples) +
                              integer("bsdf_samples", bsdf_samples)) +

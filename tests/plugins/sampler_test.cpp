@@ -141,6 +141,11 @@ TEST_F(Samplers, BlocksHoldThePairs) {
 
 TEST_F(Samplers, AStreamMayJumpAnywhere) {
     for (const auto& [name, s] : samplers_) {
+        for (std::uint32_t first = 0; first < 20; ++first) {
+            SampleStream fresh(*s, 77, 5);
+            fresh.jump_to(first);
+            EXPECT_EQ(fresh.next_2d(), s->sample_2d(77, 5, first)) << name << " " << first;
+        }
         SampleStream stream(*s, 77, 5);
         for (const std::uint32_t dimension : {4u, 6u, 5u, 20u, 12u, 13u, 0u, 14u}) {
             stream.jump_to(dimension);
