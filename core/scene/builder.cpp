@@ -6,6 +6,7 @@
 #include "core/math/sequences.h"
 #include "core/plugin/build_context.h"
 #include "core/scene/find_file.h"
+#include "core/scene/preparation_error.h"
 
 #include <fmt/format.h>
 
@@ -29,11 +30,14 @@ public:
           registry_(registry),
           diagnostics_(diagnostics),
           origin_(origin),
+          asking_(scene_place()),
           hash_(description.hash) {}
 
     /// The object of an element, built at most once. Null if it is wrong; the reason is recorded.
     Object* build(const Element& element);
     std::vector<std::unique_ptr<Object>> take_objects() { return std::move(objects_); }
+    /// Where the elements of these objects are; of a default, who asked for it.
+    std::vector<Location> take_places() { return std::move(places_); }
 
     /// Of the description, and of the contents of the files that were asked for.
     std::uint64_t hash() const { return hash_; }
@@ -49,14 +53,20 @@ private:
     bool build_children(const Element& element);
     const PluginInfo* find_plugin(const Element& element);
     Object* construct(const Element& element, const PluginInfo& info, bool complete);
+    Object* keep(std::unique_ptr<Object> object, Location where);
+    Location scene_place() const {
+        return description_.root ? description_.root->where : Location();
+    }
 
     const Description& description_;
     Registry& registry_;
     Diagnostics& diagnostics_;
     Vector3d origin_;
     std::vector<std::unique_ptr<Object>> objects_;
+    std::vector<Location> places_;
     std::map<const Element*, Object*> built_;
     std::map<std::pair<std::string, std::string>, Object*> defaults_;
+    Location asking_;  ///< what is being constructed, or the scene
     std::set<fs::path> hashed_files_;
     std::uint64_t hash_;
     int nesting_ = 0;
@@ -125,6 +135,7 @@ Object* ObjectBuilder::construct(const Element& element, const PluginInfo& info,
     const Params params(element, *this);
     std::unique_ptr<Object> object;
     std::string thrown;
+    asking_ = element.where;
     try {
         object.reset(info.create(params));
     } catch (const std::bad_alloc&) {
@@ -134,13 +145,19 @@ Object* ObjectBuilder::construct(const Element& element, const PluginInfo& info,
     } catch (const std::exception& e) {
         thrown = e.what();
     }
+    asking_ = scene_place();
     if (!thrown.empty() && complete && !params.made_up()) {
         diagnostics_.error(element.where, thrown);
     }
     params.report_unused(
         !object, [&] { return describe_parameters(registry_, element.kind, element.type); });
     if (!object || !complete || diagnostics_.error_count() > errors_before) return nullptr;
+    return keep(std::move(object), element.where);
+}
+
+Object* ObjectBuilder::keep(std::unique_ptr<Object> object, Location where) {
     objects_.push_back(std::move(object));
+    places_.push_back(where);
     return objects_.back().get();
 }
 
@@ -151,8 +168,8 @@ Object* ObjectBuilder::default_object(std::string_view kind, std::string_view ty
     element.kind = kind;
     element.type = type;
     const Params params(element, *this);
-    objects_.emplace_back(registry_.find(kind, type).create(params));
-    return known->second = objects_.back().get();
+    std::unique_ptr<Object> object(registry_.find(kind, type).create(params));
+    return known->second = keep(std::move(object), asking_);
 }
 
 fs::path ObjectBuilder::find_file(const std::string& name) {
@@ -167,9 +184,14 @@ Transform ObjectBuilder::placement(const Element& element) {
     return origin_ == Vector3d(0) ? Transform() : Transform::translate(-origin_);
 }
 
-/// All objects of a description, sorted by what they are for.
-std::optional<SceneParts> build_parts(const Description& description, Registry& registry,
-                                      Diagnostics& diagnostics, Vector3d origin) {
+/// All objects of a description, sorted by what they are for, and where they stand.
+struct Construction {
+    SceneParts parts;
+    std::vector<Location> places;  ///< of parts.objects
+};
+
+std::optional<Construction> construct_all(const Description& description, Registry& registry,
+                                          Diagnostics& diagnostics, Vector3d origin) {
     ObjectBuilder builder(description, registry, diagnostics, origin);
     SceneParts parts;
     parts.origin = origin;
@@ -217,7 +239,7 @@ std::optional<SceneParts> build_parts(const Description& description, Registry& 
     or_default(parts.sensor);
     parts.objects = builder.take_objects();
     parts.hash = builder.hash();
-    return parts;
+    return Construction{.parts = std::move(parts), .places = builder.take_places()};
 }
 
 /// The centre of the scene if float coordinates would be too coarse for its size there.
@@ -236,19 +258,28 @@ std::optional<Vector3d> far_center(const std::vector<Shape*>& shapes) {
 std::unique_ptr<Scene> build_scene(const Description& description, Registry& registry,
                                    Diagnostics& diagnostics, const BuildOptions& options) {
     if (!description.buildable) diagnostics.throw_if_errors();
-    std::optional<SceneParts> parts = build_parts(description, registry, diagnostics, Vector3d(0));
+    std::optional<Construction> all =
+        construct_all(description, registry, diagnostics, Vector3d(0));
     diagnostics.throw_if_errors();
-    if (const std::optional<Vector3d> center = far_center(parts->shapes)) {
+    if (const std::optional<Vector3d> center = far_center(all->parts.shapes)) {
+        const Vector3d shift = Vector3d(0) - *center;  // no -0
         diagnostics.warning(description.root->where,
                             fmt::format("the scene is moved by ({:g}, {:g}, {:g}): it is too far "
                                         "from the origin for its size",
-                                        -center->x, -center->y, -center->z));
+                                        shift.x, shift.y, shift.z));
         Diagnostics again;  // says the same once more
-        parts = build_parts(description, registry, again, *center);
+        all = construct_all(description, registry, again, *center);
         again.throw_if_errors();
     }
-    parts->threads = options.threads;
-    return std::make_unique<Scene>(std::move(*parts));
+    all->parts.threads = options.threads;
+    std::unique_ptr<Scene> scene;
+    try {
+        scene = std::make_unique<Scene>(std::move(all->parts));
+    } catch (const PreparationError& e) {
+        diagnostics.error(all->places[e.object()], e.what());
+    }
+    diagnostics.throw_if_errors();
+    return scene;
 }
 
 std::vector<ParameterInfo> describe_parameters(Registry& registry, std::string_view kind,

@@ -4,6 +4,7 @@
 #include "core/interfaces/light_sampler.h"
 #include "core/math/rounding.h"
 #include "core/scene/accelerator.h"
+#include "core/scene/preparation_error.h"
 #include "core/scene/ray_statistics.h"
 
 namespace lucerna {
@@ -67,9 +68,15 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     collect_lights();
     // Emitters first: light samplers ask them for their power.
     const auto prepare_if = [&](bool emitters) {
-        for (const auto& object : parts_.objects) {
-            const bool is_emitter = dynamic_cast<const Emitter*>(object.get()) != nullptr;
-            if (is_emitter == emitters) object->prepare(*this);
+        for (std::size_t i = 0; i < parts_.objects.size(); ++i) {
+            Object& object = *parts_.objects[i];
+            const bool is_emitter = dynamic_cast<const Emitter*>(&object) != nullptr;
+            if (is_emitter != emitters) continue;
+            try {
+                object.prepare(*this);
+            } catch (const Error& e) {
+                throw PreparationError(i, e);
+            }
         }
     };
     prepare_if(true);
