@@ -133,6 +133,13 @@ struct PhotonHit {
     bool stored;  ///< the surface is one that keeps photons
 };
 
+/// The fault is the scene's, though only the render shows it.
+[[noreturn]] inline void refuse_scene(const std::string& message) {
+    Diagnostic diagnostic;
+    diagnostic.message = message;
+    throw SceneError({diagnostic});
+}
+
 class PhotonTracer {
 public:
     explicit PhotonTracer(const Scene& scene) : scene_(scene), emission_(scene) {}
@@ -140,8 +147,8 @@ public:
     bool dark() const { return emission_.dark(); }
 
     /// Follows photon `j` and calls visit(PhotonHit) wherever it meets a surface, on which it may
-    /// or may not be stored, by one of the ways in `pass.kinds`. Throws Error if its power is not
-    /// finite.
+    /// or may not be stored, by one of the ways in `pass.kinds`. Throws SceneError if its power is
+    /// not finite.
     template <typename Visit>
     void trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& energy, Visit&& visit) const;
 
@@ -156,8 +163,8 @@ private:
     static float most_survival(const PhotonPass& pass, int depth) {
         return depth < pass.rr_depth ? infinity : depth < 64 ? 1.0f : 0.95f;
     }
-    static bool scatter(const Interaction& at, bool stored, float most_survival,
-                        const PhotonNumbers::Scattering& u, Flight& flight);
+    bool scatter(const Interaction& at, bool stored, float most_survival,
+                 const PhotonNumbers::Scattering& u, Flight& flight) const;
 
     const Scene& scene_;
     PhotonEmission emission_;
@@ -174,8 +181,8 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& 
     if (!emitted) return;
     Flight flight{.ray = emitted->ray, .power = emitted->power / static_cast<float>(choice.pmf)};
     if (!is_finite(flight.power)) {
-        const Vector3 p = emitted->ray.o;
-        throw Error(
+        const Vector3d p = scene_.origin() + Vector3d(emitted->ray.o);
+        refuse_scene(
             fmt::format("light number {} of the scene, at ({:g}, {:g}, {:g}), emits "
                         "photons of a power that is not finite",
                         choice.light, p.x, p.y, p.z));
@@ -217,7 +224,7 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& 
 /// Lets the surface turn the flight, or ends it: false. Flux is scattered by the adjoint BSDF,
 /// which shading normals make differ from f by the ratio of the cosines (Veach 1997, 5.3.2).
 inline bool PhotonTracer::scatter(const Interaction& at, bool stored, float most_survival,
-                                  const PhotonNumbers::Scattering& u, Flight& flight) {
+                                  const PhotonNumbers::Scattering& u, Flight& flight) const {
     const Vector3 wo = at.to_local(-flight.ray.d);
     const std::optional<BSDFSample> next =
         at.shape->bsdf()->sample(at, wo, u.lobe, u.direction, TransportMode::importance);
@@ -231,10 +238,11 @@ inline bool PhotonTracer::scatter(const Interaction& at, bool stored, float most
         power *= (wo.z * wi_n) / (wo_n * next->wi.z);
     }
     if (!is_finite(power)) {
-        throw Error(
+        const Vector3d p = scene_.origin() + Vector3d(at.p);
+        refuse_scene(
             fmt::format("a photon that is scattered at ({:g}, {:g}, {:g}) has a power that "
                         "is not finite",
-                        at.p.x, at.p.y, at.p.z));
+                        p.x, p.y, p.z));
     }
     // Survival in proportion to what is left keeps the power of all photons alike.
     if (most_survival <= 1) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Photon mapping where there is little to see, nothing to hit, or much in one place.
+#include "core/interfaces/texture.h"
 #include "core/plugin/error.h"
 #include "tests/render_scene.h"
 
 #include <fmt/format.h>
+
+#include <limits>
 
 namespace lucerna {
 namespace {
@@ -108,18 +111,68 @@ TEST_P(PhotonHardCases, F8_ThinWalls) {
     EXPECT_TRUE(is_constant(film, 0));
 }
 
+/// What a scene is refused with while it is rendered.
+std::string refusal(const TestScene& scene) {
+    try {
+        scene.render({.per_pixel = 1});
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "nothing was said";
+}
+
 TEST_P(PhotonHardCases, FluxThatIsNotFiniteIsRefusedWithItsOrigin) {
     const TestScene scene(integrator(type()) + shape("rectangle", scale(1), diffuse(0.5)) +
                           point_light({0, 0, 2}, 1) + point_light({1, 2, 3}, 1e38) +
                           xml({.to_world = look({0, 0, 1}, {0, 0, 0})}));
-    try {
-        scene.render({.per_pixel = 1});
-        FAIL() << "nothing was said";
-    } catch (const Error& error) {
-        EXPECT_STREQ(error.what(),
-                     "light number 1 of the scene, at (1, 2, 3), emits photons of a power that is "
-                     "not finite");
-    }
+    EXPECT_EQ(refusal(scene),
+              "error: light number 1 of the scene, at (1, 2, 3), emits photons of a power that is "
+              "not finite");
+}
+
+/// A texture that is no number everywhere, whatever it says about its mean.
+class UnknownTexture final : public Texture {
+public:
+    explicit UnknownTexture(const Params&) {}
+    Color color(Vector2) const override { return Color(std::numeric_limits<float>::quiet_NaN()); }
+    float real(Vector2) const override { return std::numeric_limits<float>::quiet_NaN(); }
+    Color mean() const override { return Color(1); }
+    float max() const override { return 1; }
+};
+
+const PluginInfo unknown_texture = describe<UnknownTexture>("for this test");
+
+std::string with_unknown(const std::string& parameter) {
+    return "<texture type='unknown' name='" + parameter + "'/>";
+}
+
+TEST_P(PhotonHardCases, LightThatIsNoNumberIsRefusedWithItsOrigin) {
+    Registry registry;
+    registry.add("unknown", unknown_texture);
+    const TestScene scene(
+        integrator(type()) + shape("rectangle", scale(1), diffuse(0.5)) +
+            shape("rectangle", scale(1e-9) + look({1, 2, 3}, {1, 2, 0}),
+                  "<emitter type='area'>" + with_unknown("radiance") + "</emitter>") +
+            xml({.to_world = look({0, 0, 1}, {0, 0, 0})}),
+        std::move(registry));
+    EXPECT_EQ(refusal(scene),
+              "error: light number 0 of the scene, at (1, 2, 3), emits photons of a power that is "
+              "not finite");
+}
+
+/// Also in a scene that is moved to the origin, being small and far away.
+TEST_P(PhotonHardCases, SurfaceThatIsNoNumberIsRefusedWithItsPlace) {
+    Registry registry;
+    registry.add("unknown", unknown_texture);
+    const TestScene scene(
+        integrator(type()) +
+            shape("rectangle", scale(1e-9) + translate({1, 2, 0}),
+                  "<bsdf type='diffuse'>" + with_unknown("reflectance") + "</bsdf>") +
+            "<emitter type='directional'><vector name='direction' x='0' y='0' z='-1'/></emitter>" +
+            xml({.to_world = look({0, 0, 1}, {0, 0, 0})}),
+        std::move(registry));
+    EXPECT_EQ(refusal(scene),
+              "error: a photon that is scattered at (1, 2, 0) has a power that is not finite");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PhotonHardCases, testing::Values("photonmap", "sppm", "ptracer"),
