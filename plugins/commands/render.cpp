@@ -82,9 +82,10 @@ void declare_how(Arguments& arguments, Request& request) {
     arguments.flag("--json", request.json, "prints the figures as JSON");
     arguments.footer(
         "The first limit that is reached ends the render. SIGINT and SIGTERM end it, too: pictures "
-        "and checkpoint are written, and the exit code is 130.\n\nExit codes: 0 success, 1 "
-        "failure, 2 wrong arguments, 3 wrong scene or colour configuration, 4 plugin cannot be "
-        "loaded, 5 file cannot be read or written, 130 interrupted.");
+        "and checkpoint are written if there is any sample, and the exit code is 130.\n\n"
+        "Exit codes: 0 success, 1 failure, 2 wrong arguments, 3 wrong scene or colour "
+        "configuration, 4 plugin cannot be loaded, 5 file cannot be read or written, 130 "
+        "interrupted.");
 }
 
 /// What is wrong with the arguments taken together, or empty.
@@ -163,6 +164,11 @@ int Rendering::run() {
     const InterruptGuard guard;
     const RenderResult result = session_.render(options(earlier_seconds), std::move(state));
     progress_.clear();
+    if (result.interrupted && result.film.most_samples() == 0) {
+        // What may lie there already is worth more than black pictures.
+        fmt::print(stderr, "interrupted before the first sample: nothing was written\n");
+        return exit_code::interrupted;
+    }
     const double seconds = earlier_seconds + result.figures.render_seconds;
     std::exception_ptr no_checkpoint;
     try {

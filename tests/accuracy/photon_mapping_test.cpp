@@ -326,6 +326,24 @@ TEST_P(PhotonIntegrators, SameBitsWhenInterruptedAndResumed) {
     }
 }
 
+/// Passes that were rendered apart, as on several machines.
+TEST_P(PhotonIntegrators, SameBitsWhenPassesAreMerged) {
+    const TestScene scene(content());
+    const auto passes = [&](std::uint64_t first, std::uint64_t count) {
+        RenderOptions options;
+        options.budget.samples = count;
+        options.seed = 1;
+        RenderJob job(scene.scene(), std::move(options),
+                      FilmState(film_layout(scene.scene()), first));
+        scene.scene().integrator().render(job);
+        return job.take_state();
+    };
+    FilmState merged = passes(0, 3);
+    merged.merge(passes(3, 1));
+    merged.merge(passes(4, 2));
+    EXPECT_EQ(in_one_piece(scene, 6), numbers_of(merged));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, PhotonIntegrators, testing::Values("photonmap", "sppm", "ptracer"),
                          [](const auto& one) { return std::string(one.param); });
 

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `lucerna render` as users run it: files, exit codes, signals, full disks.
-#include "core/image/exr.h"
+#include "tests/commands/render_command.h"
 #include "core/image/png.h"
 #include "core/interfaces/command.h"
 #include "core/plugin/error.h"
-#include "tests/commands/process.h"
-
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <thread>
@@ -16,55 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
-
-class RenderCommandTest : public testing::Test {
-protected:
-    RenderCommandTest() { write("scene.xml", small_scene); }
-
-    void write(const char* name, const std::string& text) const {
-        std::ofstream(folder / name, std::ios::binary) << text;
-    }
-    /// Runs `lucerna render scene.xml WORDS`, checks the exit code, returns what it printed.
-    std::string render(std::vector<std::string> words, int expected = exit_code::success,
-                       const ProcessSetup& setup = {}) {
-        words.insert(words.begin(), {"render", "scene.xml"});
-        Process process(folder.path(), words, setup);
-        EXPECT_EQ(process.wait(), expected) << process.errors();
-        errors = process.errors();
-        return process.output();
-    }
-    std::vector<float> plane(const char* file, const char* name = "R") const {
-        return std::get<std::vector<float>>(read_exr(folder / file).plane(name)->samples);
-    }
-    void expect_error(const std::string& words) const {
-        EXPECT_NE(errors.find(words), std::string::npos) << errors;
-    }
-    /// Nothing but what is named lies in the folder: no temporary file is left.
-    void expect_no_leftovers() const {
-        for (const auto& entry : fs::directory_iterator(folder.path())) {
-            const std::string extension = entry.path().extension();
-            EXPECT_TRUE(extension == ".exr" || extension == ".png" || extension == ".txt" ||
-                        extension == ".xml")
-                << entry.path();
-        }
-    }
-    /// Starts a render that would take for ever and waits until its first checkpoint is there.
-    std::unique_ptr<Process> start_endless(const ProcessSetup& setup = {}) const {
-        auto process = std::make_unique<Process>(
-            folder.path(),
-            std::vector<std::string>{"render", "scene.xml", "--resolution", "200x200", "--spp",
-                                     "10000000", "--checkpoint", "state.exr", "--checkpoint-every",
-                                     "0.01"},
-            setup);
-        for (int i = 0; i < 1000 && !fs::exists(folder / "state.exr"); ++i) {
-            std::this_thread::sleep_for(milliseconds(20));
-        }
-        return process;
-    }
-
-    TemporaryFolder folder;
-    std::string errors;
-};
 
 TEST_F(RenderCommandTest, writes_both_pictures_and_tells_the_figures) {
     const std::string output = render({});
