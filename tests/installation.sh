@@ -41,6 +41,19 @@ completions() {
 [[ $(completions plugins bsdf/thind) == bsdf/thindielectric ]] ||
     fail "the shell does not complete plugins"
 
+# The manual page has what --help has: all commands, and their options.
+page=$(sed 's/\\-/-/g' "$prefix/share/man/man1/lucerna.1")
+for command in $("$lucerna" --help | sed -n '/^commands:/,/^$/s/^  \([^ ]*\).*/\1/p'); do
+    [[ $page == *$'\n.SH LUCERNA '"${command^^}"$'\n'* ]] || fail "the manual lacks $command"
+    while read -r option; do
+        [[ $page == *$'\n.B '"$option"* ]] || fail "the manual lacks $command $option"
+    done < <("$lucerna" "$command" --help | sed -n 's/^  \(-[^ ]*\).*/\1/p')
+done
+if command -v groff > /dev/null; then
+    [[ -z $(groff -man -ww -z "$prefix/share/man/man1/lucerna.1" 2>&1) ]] ||
+        fail "the manual is no man page"
+fi
+
 # Of libraries, authors of plugins need the C++ library and GLM; each header compiles by itself.
 headers=$prefix/include/lucerna
 if grep -rnE '#include <[^>]*[./]' "$headers" | grep -v '#include <glm/'; then
