@@ -52,7 +52,8 @@ public:
 
     /// Of the vertex that begins at `v`; the latter two only if there are any.
     const float* at(std::uint32_t i) const {
-        return lines_.data()->floats + i * std::size_t{stride_};
+        // Vertices do not end where lines do: all lines are one array of floats.
+        return reinterpret_cast<const float*>(lines_.data()) + i * std::size_t{stride_};
     }
     static Vector3 position(const float* v) { return {v[0], v[1], v[2]}; }
     Vector3 normal(const float* v) const { return position(v + normal_); }
