@@ -71,6 +71,7 @@ private:
     PilotPaths pilots_;
     float cell_size_;
     std::size_t most_cells_;
+    std::size_t few_;  ///< lights, of which cells remember all
     float jitter_;
 
     std::uint64_t id_ = 0;
@@ -89,6 +90,9 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
     options_.lights = count("lights", 64, static_cast<int>(most_lights), "lights kept in a cell");
     options_.far_lights = static_cast<std::size_t>(params.int32(
         "far_lights", 1024, {.min = 0, .max = 1 << 16}, "more, weighed once for the cell"));
+    few_ = static_cast<std::size_t>(params.int32(
+        "remember_all", 8192, {.min = 0, .max = 1 << 16},
+        "cells remember every light if there are no more than these, instead of far_lights"));
     options_.coverage =
         params.real("coverage", 0.9, unit_interval,
                     "of what the candidates bring, by the lights that are weighed at points");
@@ -113,7 +117,7 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
 void CacheLightSampler::prepare(const Scene& scene) {
     static std::atomic<std::uint64_t> count{0};
     id_ = ++count;
-    lights_ = SceneLights(scene);
+    lights_ = SceneLights(scene, few_);
     only_ = lights_.only_light();
     cells_.clear();
     grid_ = {};
@@ -184,8 +188,14 @@ void CacheLightSampler::make_cells(const Scene& scene) {
         });
     };
     std::vector<std::vector<Candidate>> known(cells_.size());
+    std::vector<FarLights> others(cells_.size());
+    const bool knows_all = lights_.every.blocks() > 0;
+    // A candidate without a ray is no better known than the other lights.
+    const std::size_t count =
+        knows_all ? std::min(options_.candidates, options_.rays) : options_.candidates;
     for_each_cell([&](std::size_t i, LightStudy& study) {
-        known[i] = study.candidates(options_.candidates, options_.rays);
+        known[i] = study.candidates(count, options_.rays);
+        if (knows_all) others[i] = weights_of_all(study, lights_, options_.floor);
         std::sort(known[i].begin(), known[i].end(),
                   [](const Candidate& a, const Candidate& b) { return a.light < b.light; });
     });
@@ -194,7 +204,7 @@ void CacheLightSampler::make_cells(const Scene& scene) {
         for (const std::uint32_t k : grid_.neighbours(cells.keys[i])) around.push_back(&known[k]);
         std::vector<Candidate> mine = known[i];
         if (options_.lent_rays > 0) borrow(mine, around, options_.lent_rays);
-        cells_[i] = CellBuilder(study, lights_, options_).build(std::move(mine));
+        cells_[i] = CellBuilder(study, lights_, options_).build(std::move(mine), others[i]);
     });
 }
 
@@ -243,8 +253,8 @@ std::optional<LightChoice> CacheLightSampler::sample_lists(const Shares& shares,
         }
     }
     if (cell.far.size() == 0) return {};
-    const std::size_t i = cell.far.draw(place);
-    return LightChoice{cell.far[i], scale * (shares.list * cell.far.weight(i))};
+    const FarLights::Choice far_light = cell.far.draw(place);
+    return LightChoice{far_light.light, scale * (shares.list * far_light.weight)};
 }
 
 std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,

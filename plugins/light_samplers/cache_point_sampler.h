@@ -198,7 +198,7 @@ std::optional<std::uint32_t> CachePointSampler<Lookup>::draw_from_lists(const Sh
         place -= total;
     }
     if (!last) return {};
-    return (*last)[last->draw(in_list)];
+    return last->draw(in_list).light;
 }
 
 template <typename Lookup>

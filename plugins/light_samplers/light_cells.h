@@ -4,7 +4,8 @@
 /// Of the candidates that a study (light_study.h) found, those that bring most are weighed at each
 /// point, at most K, until they bring a given part of what all of them do; the others are weighed
 /// once. What a cell learnt of a light with its own few rays is joined with what its neighbours
-/// learnt of it. All other lights are left to the tree, and the share of draws that it gets is
+/// learnt of it. In scenes of some thousand lights a cell remembers all of them, those without a
+/// ray at the visibility that is usual around. All other lights are left to the tree, and the share of draws that it gets is
 /// learnt too.
 #pragma once
 
@@ -55,16 +56,18 @@ public:
     CellBuilder(LightStudy& study, const SceneLights& lights, const CellOptions& options)
         : study_(study), lights_(lights), options_(options) {}
 
-    LightCell build(std::vector<Candidate> candidates) {
+    /// `others`: weights of the other lights, as a study that knew every light found them.
+    LightCell build(std::vector<Candidate> candidates, const FarLights& others) {
         LightCell cell;
-        keep_best(candidates, cell);
+        keep_best(candidates, others, cell);
         cell.infinite = study_.infinite_contribution();
         learn_tail(cell);
         return cell;
     }
 
 private:
-    void keep_best(std::vector<Candidate>& candidates, LightCell& cell) const;
+    void keep_best(std::vector<Candidate>& candidates, const FarLights& others,
+                   LightCell& cell) const;
     void learn_tail(LightCell& cell);
 
     LightStudy& study_;
@@ -72,7 +75,8 @@ private:
     const CellOptions& options_;
 };
 
-inline void CellBuilder::keep_best(std::vector<Candidate>& candidates, LightCell& cell) const {
+inline void CellBuilder::keep_best(std::vector<Candidate>& candidates, const FarLights& others,
+                                   LightCell& cell) const {
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.value() > b.value(); });
     double all = 0, sum = 0;
@@ -85,18 +89,47 @@ inline void CellBuilder::keep_best(std::vector<Candidate>& candidates, LightCell
     }
     const std::span<const Candidate> kept = candidates;
     cell.near = NearLights(kept.first(count), lights_.tree, options_.floor);
+    const auto weight = [&](const Candidate& c) {
+        return c.mean * std::max(c.visibility(), options_.floor);
+    };
+    if (others.size() > 0) {
+        std::vector<float> far(lights_.lights);
+        for (std::uint32_t i = 0; i < far.size(); ++i) far[i] = others.weight_of(i);
+        for (const Candidate& c : kept.first(count)) far[c.light] = 0;
+        for (const Candidate& c : kept.subspan(count)) far[c.light] = weight(c);
+        cell.far.assign(far);
+        return;
+    }
     std::vector<std::pair<std::uint32_t, float>> far;
     for (const Candidate& c : kept.subspan(count)) {
         if (far.size() == options_.far_lights) break;
-        far.emplace_back(c.light, c.mean * std::max(c.visibility(), options_.floor));
+        far.emplace_back(c.light, weight(c));
     }
     cell.far.assign(std::move(far));
+}
+
+/// The weights of all lights for which the lights of a study stand.
+inline FarLights weights_of_all(const LightStudy& study, const SceneLights& lights, float floor) {
+    std::vector<float> weights(lights.lights);
+    const std::span<const std::uint32_t> of_lanes = lights.every.lights();
+    const float visibility = std::max(study.prior(), floor);
+    for (std::size_t i = 0; i < study.means().size(); ++i) {
+        if (of_lanes[i] != LightTree8::none) weights[of_lanes[i]] = study.means()[i] * visibility;
+    }
+    FarLights result;
+    result.assign(weights);
+    return result;
 }
 
 inline void CellBuilder::learn_tail(LightCell& cell) {
     const KeptLights kept(cell.near, cell.far);
     if (kept.are_all(lights_.finite)) {
         cell.tail = 0;
+        return;
+    }
+    if (lights_.every.blocks() > 0 && cell.far.size() + cell.near.blocks() > 0) {
+        // What is left can reach none of the points that were studied.
+        cell.tail = options_.least_tail;
         return;
     }
     const float share = kept.tail_share(study_, lights_);

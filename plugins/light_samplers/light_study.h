@@ -9,7 +9,7 @@
 
 #include "core/math/distribution.h"
 #include "plugins/light_samplers/light_list.h"
-#include "plugins/light_samplers/light_tree8.h"
+#include "plugins/light_samplers/near_lights.h"
 
 #include <queue>
 
@@ -18,21 +18,31 @@ namespace lucerna {
 /// The lights of a scene: a tree of those that are somewhere, a distribution of those at infinity.
 struct SceneLights {
     LightTree8 tree;
+    std::size_t lights = 0;               ///< of the scene, also those that do not shine
     std::size_t finite = 0;               ///< lights in the tree
     std::vector<std::uint32_t> infinite;  ///< lights at infinity
     DiscreteDistribution infinite_power;
     double infinite_irradiance = 0;  ///< that they are expected to cause together
     double unit = 1;                 ///< irradiance that counts as 1
+    NearLights every;                ///< those in the tree, if there are few enough; or none
 
     SceneLights() = default;
-    explicit SceneLights(const Scene& scene) {
-        LightList lights(scene);
-        finite = lights.finite.size();
-        infinite = lights.infinite;
-        infinite_power = DiscreteDistribution(lights.irradiance);
-        for (const double e : lights.irradiance) infinite_irradiance += e;
-        unit = lights.unit;
-        tree = LightTree8(std::move(lights), scene.lights().size(), Workers(scene.threads()));
+    /// `every` is filled if there are no more than `few` lights in the tree.
+    explicit SceneLights(const Scene& scene, std::size_t few = 0) {
+        LightList list(scene);
+        lights = scene.lights().size();
+        finite = list.finite.size();
+        infinite = list.infinite;
+        infinite_power = DiscreteDistribution(list.irradiance);
+        for (const double e : list.irradiance) infinite_irradiance += e;
+        unit = list.unit;
+        tree = LightTree8(std::move(list), lights, Workers(scene.threads()));
+        if (finite > few) return;
+        std::vector<Candidate> all;
+        for (std::uint32_t i = 0; i < lights; ++i) {
+            if (tree.holds(i)) all.push_back({.light = i, .prior = 1});
+        }
+        every = NearLights(all, tree, 1);
     }
 
     std::size_t count() const { return finite + infinite.size(); }
@@ -45,20 +55,6 @@ struct SceneLights {
         const auto n = static_cast<float>(infinite.size());
         return n / (n + (finite > 0 ? 1.0f : 0.0f));
     }
-};
-
-/// A light that may matter in a region.
-struct Candidate {
-    std::uint32_t light = 0;
-    float mean = 0;  ///< unoccluded contribution, over the points
-    float rays = 0;
-    float arrived = 0;  ///< sum over rays of the fraction that arrived
-    float prior = 0;    ///< of that fraction, for those with few rays
-    float prior_rays = 0.8f;
-
-    /// What arrives of its unoccluded contribution.
-    float visibility() const { return (arrived + prior_rays * prior) / (rays + prior_rays); }
-    float value() const { return mean * visibility(); }
 };
 
 class LightStudy {
@@ -83,6 +79,12 @@ public:
         return std::move(candidates_);
     }
 
+    /// What each lane of `SceneLights::every` contributes where nothing is in between, mean over
+    /// the points; after `candidates`.
+    std::span<const float> means() const { return means_; }
+    /// Part of that which arrives, of lights of which nothing else is known; after `candidates`.
+    float prior() const { return prior_; }
+
     std::span<const LitPoint> points() const { return lit_; }
     /// Stands for all points.
     const LitPoint& region() const { return region_; }
@@ -90,16 +92,23 @@ public:
     /// Irradiance that one sample of a light brings to a point, in units; zero if it is blocked.
     double arriving(std::uint32_t light, std::size_t point);
 
-    /// What the lights at infinity bring together, learnt from shadow rays.
+    /// What the lights at infinity bring together, learnt from shadow rays: the root of the mean
+    /// square, to which ideal probabilities are proportional.
     float infinite_contribution();
 
 private:
     void bound_region(float margin);
     float nearest(const LightLanes& lanes, std::size_t i) const;
     void find_candidates(std::size_t count);
+    void choose_from_all(std::size_t count);
     void weigh_candidates();
     void trace(std::size_t candidate);
     void trace_rounds(std::size_t rays);
+    /// From the sum over the points, and the bound for the region: lights near it may be brighter
+    /// where there is no point.
+    float mean_of(float sum, float bound) const {
+        return std::max(sum / static_cast<float>(lit_.size()), 0.1f * bound);
+    }
     std::size_t stride() const { return (candidates_.size() + 7) / 8 * 8; }
 
     /// A spread with which every cosine at the receiver is 1.
@@ -113,6 +122,8 @@ private:
     LitPoint region_;
     std::vector<Candidate> candidates_;
     std::vector<float> weights_;  ///< of each candidate: contribution at each point
+    std::vector<float> means_;
+    float prior_ = 0;
     Rng rng_;
 };
 
@@ -156,6 +167,7 @@ inline void LightStudy::find_candidates(std::size_t count) {
         }
     };
     if (lights_.tree.empty()) return;
+    if (lights_.every.blocks() > 0) return choose_from_all(count);
     std::priority_queue<Entry> open;
     open.push({infinity, 0, false});
     while (!open.empty() && candidates_.size() < count) {
@@ -176,6 +188,30 @@ inline void LightStudy::find_candidates(std::size_t count) {
     }
 }
 
+/// By their contributions to all points.
+inline void LightStudy::choose_from_all(std::size_t count) {
+    const std::span<const std::uint32_t> lights = lights_.every.lights();
+    std::vector<float> at_point(lights.size());
+    means_.assign(lights.size(), 0.0f);
+    for (const LitPoint& at : lit_) {
+        lights_.every.weigh(at, at_point.data());
+        for (std::size_t i = 0; i < lights.size(); ++i) means_[i] += at_point[i];
+    }
+    lights_.every.weigh(region_, at_point.data());
+    std::vector<std::uint32_t> lanes;
+    for (std::uint32_t i = 0; i < lights.size(); ++i) {
+        means_[i] = mean_of(means_[i], at_point[i]);
+        if (means_[i] > 0) lanes.push_back(i);
+    }
+    const auto better = [&](std::uint32_t a, std::uint32_t b) {
+        return means_[a] != means_[b] ? means_[a] > means_[b] : a < b;
+    };
+    const auto end = lanes.begin() + static_cast<std::ptrdiff_t>(std::min(count, lanes.size()));
+    std::nth_element(lanes.begin(), end, lanes.end(), better);
+    std::sort(lanes.begin(), end, better);
+    for (auto it = lanes.begin(); it != end; ++it) candidates_.push_back({.light = lights[*it]});
+}
+
 inline void LightStudy::weigh_candidates() {
     std::vector<LightLanes> lanes(stride() / 8);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -190,12 +226,11 @@ inline void LightStudy::weigh_candidates() {
         contributions(blocks, lit_[p], all.data());
         for (std::size_t i = 0; i < all.size(); ++i) weights_[i * points + p] = all[i];
     }
-    // Lights near the region may be brighter where there is no point.
     contributions(blocks, region_, all.data());
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
         float sum = 0;
         for (std::size_t p = 0; p < points; ++p) sum += weights_[i * points + p];
-        candidates_[i].mean = std::max(sum / static_cast<float>(points), 0.1f * all[i]);
+        candidates_[i].mean = mean_of(sum, all[i]);
     }
 }
 
@@ -218,15 +253,16 @@ inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
 
 inline float LightStudy::infinite_contribution() {
     if (lights_.infinite.empty()) return 0;
-    constexpr int samples = 32;
-    double sum = 0;
+    constexpr int samples = 64;
+    double sum2 = 0;
     for (int i = 0; i < samples; ++i) {
         const std::uint32_t chosen = lights_.infinite_power.sample(rng_.next_double());
         const std::size_t point = rng_.next_uint() % lit_.size();
         const double share = lights_.infinite_power.pmf(chosen);
-        if (share > 0) sum += arriving(lights_.infinite[chosen], point) / share;
+        if (share > 0) sum2 += arriving(lights_.infinite[chosen], point) / share;
     }
-    return static_cast<float>(std::max(sum / samples, 0.02 * lights_.infinite_irradiance));
+    // Where little of the sky is seen, one sample of it is noisier than one of a window.
+    return static_cast<float>(std::max(sum2 / samples, 0.1 * lights_.infinite_irradiance));
 }
 
 /// One ray to a candidate, from a point drawn in proportion to the contribution there.
@@ -257,7 +293,8 @@ inline void LightStudy::trace_rounds(std::size_t left) {
     left -= first;
     float arrived = 1, rays_traced = 2;
     for (const Candidate& c : candidates_) arrived += c.arrived, rays_traced += c.rays;
-    for (Candidate& c : candidates_) c.prior = std::min(arrived / rays_traced, 1.0f);
+    prior_ = std::min(arrived / rays_traced, 1.0f);
+    for (Candidate& c : candidates_) c.prior = prior_;
     for (std::size_t rounds = 4; rounds > 0 && left > 0; --rounds) {
         std::vector<double> wanted;
         double total = 0;

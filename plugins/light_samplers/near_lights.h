@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Lights that are weighed anew at each point.
+#pragma once
+
+#include "plugins/light_samplers/light_tree8.h"
+
+namespace lucerna {
+
+/// A light that may matter in a region.
+struct Candidate {
+    std::uint32_t light = 0;
+    float mean = 0;  ///< unoccluded contribution, over the points
+    float rays = 0;
+    float arrived = 0;  ///< sum over rays of the fraction that arrived
+    float prior = 0;    ///< of that fraction, for those with few rays
+    float prior_rays = 0.8f;
+
+    /// What arrives of its unoccluded contribution.
+    float visibility() const { return (arrived + prior_rays * prior) / (rays + prior_rays); }
+    float value() const { return mean * visibility(); }
+};
+
+/// Weighed at each point: intensities are times learnt visibility.
+class NearLights {
+public:
+    NearLights() = default;
+    /// The candidates; `floor` is the least visibility.
+    NearLights(std::span<const Candidate> kept, const LightTree8& tree, float floor);
+
+    std::size_t blocks() const { return flat_.size() + others_.size(); }
+    /// Of each lane; none for empty ones.
+    std::span<const std::uint32_t> lights() const { return lights_; }
+    /// Writes the weights of all lanes.
+    void weigh(const LitPoint& at, float* weights) const {
+        contributions(std::span<const FlatLanes>(flat_), at, weights);
+        contributions(std::span<const LightLanes>(others_), at,
+                      weights + LightLanes::width * flat_.size());
+    }
+    float total(const float* weights) const {
+        float sum = 0;
+        for (std::size_t b = 0; b < blocks(); ++b) {
+            sum += LightLanes::sum(weights + LightLanes::width * b);
+        }
+        return sum;
+    }
+    /// Draws a lane with positive weight: that at a place in [0, total). Number of lanes: none has.
+    std::size_t draw(const float* weights, double place) const;
+    /// The lane of a light; their number if there is none.
+    std::size_t find(std::uint32_t light) const {
+        const auto it = std::find(lights_.begin(), lights_.end(), light);
+        return static_cast<std::size_t>(it - lights_.begin());
+    }
+
+    std::size_t bytes() const {
+        return flat_.capacity() * sizeof(FlatLanes) + others_.capacity() * sizeof(LightLanes) +
+               lights_.capacity() * sizeof(std::uint32_t);
+    }
+
+private:
+    std::vector<FlatLanes> flat_;
+    std::vector<LightLanes> others_;
+    std::vector<std::uint32_t> lights_;  ///< first the flat ones
+};
+
+inline NearLights::NearLights(std::span<const Candidate> kept, const LightTree8& tree,
+                              float floor) {
+    const auto fill = [&](bool planar, auto& blocks) {
+        std::size_t i = 0;
+        for (const Candidate& c : kept) {
+            const auto [from, lane] = tree.lane(c.light);
+            if (from->is_planar(lane) != planar) continue;
+            if (i % LightLanes::width == 0) {
+                blocks.emplace_back();
+                lights_.resize(lights_.size() + LightLanes::width, LightTree8::none);
+            }
+            auto& block = blocks.back();
+            block.copy(i % LightLanes::width, *from, lane);
+            block.intensity[i % LightLanes::width] *= std::max(c.visibility(), floor);
+            lights_[lights_.size() - LightLanes::width + i % LightLanes::width] = c.light;
+            ++i;
+        }
+        blocks.shrink_to_fit();
+    };
+    fill(true, flat_);
+    fill(false, others_);
+}
+
+inline std::size_t NearLights::draw(const float* weights, double place) const {
+    std::size_t block = blocks();  // the last one with light that begins before the place
+    double end = 0, start = 0;
+    for (std::size_t b = 0; b < blocks(); ++b) {
+        const auto sum = static_cast<double>(LightLanes::sum(weights + LightLanes::width * b));
+        if (!(sum > 0)) continue;
+        if (block != blocks() && place < end) break;
+        block = b;
+        start = end;
+        end += sum;
+    }
+    std::size_t chosen = lights_.size();
+    if (block == blocks()) return chosen;
+    for (std::size_t i = LightLanes::width * block; i < LightLanes::width * (block + 1); ++i) {
+        if (!(weights[i] > 0)) continue;
+        if (chosen != lights_.size() && place < start) break;
+        chosen = i;
+        start += static_cast<double>(weights[i]);
+    }
+    return chosen;
+}
+
+}  // namespace lucerna
