@@ -50,7 +50,7 @@ public:
                                       float u) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;
     std::size_t bytes() const override {
-        std::size_t sum = lights_.tree.bytes() + grid_.bytes();
+        std::size_t sum = lights_.tree.bytes() + lights_.every.bytes() + grid_.bytes();
         for (const LightCell& cell : cells_) {
             sum += sizeof(cell) + cell.near.bytes() + cell.far.bytes();
         }

@@ -6,9 +6,11 @@
 /// the list, so that all in all
 ///
 ///   P(l | x) = (1 − α) (Σ_a max(0, n · e_a) I_a,l + [l ∈ N] v_l u_l(x)) / Σ_l (the same)
+///              + α P_tree(l | x)
 ///
-/// where it is not zero, and α P_tree(l | x) of a light tree elsewhere: a light that the tree draws
-/// and the lists know is not used. α is learnt at k. Surfaces that receive light from both sides
+/// with a light tree over all lights. The lists of a point may be far from the truth around a
+/// corner; since the tree draws listed lights, too, the second moment is never more than 1 / α
+/// times that of the tree alone. α is learnt at k. Surfaces that receive light from both sides
 /// use the list of all directions instead of the six. With tail = none, α is 0: what lists leave
 /// out is then missing from the image.
 ///
@@ -37,7 +39,7 @@ public:
     float pmf(const Receiver& at, std::uint32_t light) const override;
     /// Without the lookup.
     std::size_t bytes() const override {
-        std::size_t sum = lights_.tree.bytes();
+        std::size_t sum = lights_.tree.bytes() + lights_.every.bytes();
         for (const CachePoint& point : points_) {
             sum += sizeof(point) + point.near.bytes();
             for (const FarLights& list : point.lists) sum += list.bytes();
@@ -62,6 +64,7 @@ private:
 
     const Shares& shares_at(const Receiver& at) const;
     float weight_in_lists(const Shares& shares, std::uint32_t light) const;
+    float pmf_in_shares(const Shares& shares, std::uint32_t light) const;
     std::optional<std::uint32_t> draw_from_lists(const Shares& shares, double place) const;
     float infinite_pmf(std::uint32_t i) const {
         return static_cast<float>(lights_.infinite_power.pmf(i));
@@ -90,8 +93,8 @@ CachePointSampler<Lookup>::CachePointSampler(const Params& params) : lookup_(par
         "bounding boxes of shapes");
     options_.points_per_box = count("points_per_box", 4, 1 << 20, "in each box");
     options_.most_points = count("max_points", 4096, 1 << 20, "of the scene");
-    options_.lights = count("lights", 256, 1 << 16, "kept in a list, at most");
-    options_.candidates = count("candidates", 512, 1 << 16, "lights that a cache point considers");
+    options_.lights = count("lights", 1024, 1 << 16, "kept in a list, at most");
+    options_.candidates = count("candidates", 1024, 1 << 16, "lights that a cache point considers");
     options_.rays = count("shadow_rays", 512, 1 << 16, "that a cache point learns from");
     options_.coverage = params.real("coverage", 0.97, {.min = 0, .max = 1, .open_min = true},
                                     "of the irradiance, at which a list ends");
@@ -102,7 +105,7 @@ CachePointSampler<Lookup>::CachePointSampler(const Params& params) : lookup_(par
     options_.has_tail =
         params.choice<bool>("tail", true, {{"tree", true}, {"none", false}},
                             "what chooses the lights that are in no list of a cache point");
-    options_.least_tail = params.real("least_tail", 0.02, {.min = 1e-3, .max = 0.9},
+    options_.least_tail = params.real("least_tail", 0.1, {.min = 1e-3, .max = 0.9},
                                       "share of draws that is left to the light tree at least");
     if (options_.has_tail) return;
     params.warning("tail",
@@ -115,7 +118,7 @@ template <typename Lookup>
 void CachePointSampler<Lookup>::prepare(const Scene& scene) {
     static std::atomic<std::uint64_t> count{0};
     id_ = ++count;
-    lights_ = SceneLights(scene);
+    lights_ = SceneLights(scene, few_lights);
     points_.clear();
     if (lights_.finite == 0 || lights_.count() == 1) return;  // nothing to choose from
     const Workers workers(scene.threads());
@@ -178,6 +181,14 @@ float CachePointSampler<Lookup>::weight_in_lists(const Shares& shares, std::uint
     return weight;
 }
 
+/// Probability of a light that is somewhere, by lists and tree together.
+template <typename Lookup>
+float CachePointSampler<Lookup>::pmf_in_shares(const Shares& shares, std::uint32_t light) const {
+    const float listed = shares.point ? shares.scale * weight_in_lists(shares, light) : 0.0f;
+    return shares.tree > 0 ? listed + shares.tree * lights_.tree.pmf(LitPoint(shares.at), light)
+                           : listed;
+}
+
 /// The light at a place in [0, total weight).
 template <typename Lookup>
 std::optional<std::uint32_t> CachePointSampler<Lookup>::draw_from_lists(const Shares& shares,
@@ -221,13 +232,13 @@ std::optional<LightChoice> CachePointSampler<Lookup>::sample(const Receiver& at,
         const auto light =
             draw_from_lists(shares, (place - infinite) / static_cast<double>(shares.scale));
         if (!light) return {};
-        return LightChoice{*light, scale * (shares.scale * weight_in_lists(shares, *light))};
+        return LightChoice{*light, scale * pmf_in_shares(shares, *light)};
     }
     if (!(tree > 0)) return {};
     const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
     const auto choice = lights_.tree.sample(LitPoint(at), rest);
-    if (!choice || (shares.point && weight_in_lists(shares, choice->light) > 0)) return {};
-    return LightChoice{choice->light, scale * (shares.tree * choice->pmf)};
+    if (!choice) return {};
+    return LightChoice{choice->light, scale * pmf_in_shares(shares, choice->light)};
 }
 
 template <typename Lookup>
@@ -240,11 +251,7 @@ float CachePointSampler<Lookup>::pmf(const Receiver& at, std::uint32_t light) co
         const auto i = static_cast<std::uint32_t>(found - lights_.infinite.begin());
         return scale * (shares.infinite * infinite_pmf(i));
     }
-    if (shares.point) {
-        const float weight = weight_in_lists(shares, light);
-        if (weight > 0) return scale * (shares.scale * weight);
-    }
-    return shares.tree > 0 ? scale * (shares.tree * lights_.tree.pmf(LitPoint(at), light)) : 0.0f;
+    return scale * pmf_in_shares(shares, light);
 }
 
 }  // namespace lucerna

@@ -23,23 +23,26 @@ namespace lucerna {
 
 enum class PointPlacement { surfaces, boxes };
 
+/// In scenes of no more lights than these the best are chosen from all of them.
+constexpr std::size_t few_lights = 8192;
+
 struct CachePointOptions {
     PointPlacement placement = PointPlacement::surfaces;
     std::size_t points_per_box = 4;
     std::size_t most_points = 4096;
-    std::size_t lights = 256;      ///< in a list, at most
-    std::size_t candidates = 512;  ///< that a point considers
-    std::size_t rays = 512;        ///< shadow rays of a point
-    float coverage = 0.97f;        ///< of the irradiance, by a list
-    float floor = 0.02f;           ///< of the learnt visibility
+    std::size_t lights = 1024;      ///< in a list, at most
+    std::size_t candidates = 1024;  ///< that a point considers
+    std::size_t rays = 512;         ///< shadow rays of a point
+    float coverage = 0.97f;         ///< of the irradiance, by a list
+    float floor = 0.1f;             ///< of the learnt visibility
     bool has_tail = true;
-    float least_tail = 0.02f;  ///< share of draws of the tree
+    float least_tail = 0.1f;  ///< share of draws of the tree
     PilotPaths pilots;
 };
 
 struct CachePoint {
     static constexpr std::size_t axes = 6, all_around = 6;
-    static constexpr std::size_t most_near = 32;
+    static constexpr std::size_t most_near = 64;
 
     std::array<FarLights, axes + 1> lists;  ///< +x, −x, +y, …; then from all around
     NearLights near;
@@ -132,7 +135,7 @@ inline CachePoint make_cache_point(const Scene& scene, const SceneLights& lights
                          lanes->cz[i] - region.p.z);
         const float size = glm::length(Vector3(lanes->ex[i], lanes->ey[i], lanes->ez[i]));
         const float distance = glm::length(to);
-        if (distance - size < 2 * region.slack && near.size() < CachePoint::most_near) {
+        if (distance - size < 4 * region.slack && near.size() < CachePoint::most_near) {
             near.push_back(c);
             continue;
         }

@@ -5,8 +5,8 @@
 /// point, at most K, until they bring a given part of what all of them do; the others are weighed
 /// once. What a cell learnt of a light with its own few rays is joined with what its neighbours
 /// learnt of it. In scenes of some thousand lights a cell remembers all of them, those without a
-/// ray at the visibility that is usual around. All other lights are left to the tree, and the share of draws that it gets is
-/// learnt too.
+/// ray at the visibility that is usual around. The lights that are left are drawn by the tree, and
+/// the share of draws that it gets is learnt too.
 #pragma once
 
 #include "plugins/light_samplers/kept_lights.h"
@@ -21,7 +21,7 @@ struct CellOptions {
     float coverage = 0.99f;    ///< of what the candidates bring, by the lights that are weighed
     float lent_rays = 4;       ///< that what the neighbours learnt counts for
     float least_tail = 0.05f;  ///< share of draws of the tree
-    float floor = 0.02f;       ///< of the learnt visibility
+    float floor = 0.05f;       ///< of the learnt visibility
 };
 
 /// What is known of a region.
