@@ -50,12 +50,12 @@ def dusk(u, v):
 def home(color):
     """A casement with curtains; the lamp hangs from the ceiling."""
     def at(u, v):
-        if min(u, 1 - u) < 0.07 or min(v, 1 - v) < 0.05 or abs(u - 0.5) < 0.035 or \
-                abs(v - 0.68) < 0.025:
-            return times([0.03, 0.025, 0.02], 0.3)
-        light = 0.35 + 0.65 * v * v
+        if min(u, 1 - u) < 0.05 or min(v, 1 - v) < 0.035 or abs(u - 0.5) < 0.025 or \
+                abs(v - 0.68) < 0.018:
+            return times(color, 0.25)
+        light = 0.62 + 0.38 * v * v
         if abs(u - 0.5) > 0.27:
-            light *= 0.6 + 0.12 * math.cos(70 * u)
+            light *= 0.78 + 0.08 * math.cos(70 * u)
         return times(color, light)
     return at
 
@@ -64,12 +64,12 @@ def office(color):
     """Ceiling lamps above, desks below."""
     def at(u, v):
         if min(u, 1 - u) < 0.04 or min(v, 1 - v) < 0.03:
-            return times(color, 0.01)
+            return times(color, 0.2)
         if 0.82 < v < 0.9 and abs(((3 * u) % 1) - 0.5) < 0.3:
-            return times(color, 2.2)
+            return times(color, 1.25)
         if v < 0.3 and 0.1 < u < 0.62:
-            return times(color, 0.12)
-        return times(color, 0.35 + 0.5 * v)
+            return times(color, 0.4)
+        return times(color, 0.55 + 0.3 * v)
     return at
 
 
@@ -82,15 +82,15 @@ def shop(color, seed):
 
     def at(u, v):
         if min(u, 1 - u) < 0.015 or min(v, 1 - v) < 0.04 or abs(u - 0.7) < 0.012:
-            return times(color, 0.01)
+            return times(color, 0.2)
         if 0.7 < u < 0.98:  # the door: one looks into the shop
             return times(color, 0.6 + 0.5 * v)
         if v > 0.86:
-            return times(color, 1.5)
+            return times(color, 1.3)
         row, column = min(3, int(4 * v / 0.86)), int(20 * u)
         inside = (4 * v / 0.86) % 1
         if inside < 0.1:
-            return times(color, 0.15)
+            return times(color, 0.35)
         if inside < heights[row][column % 14] and 0.15 < (20 * u) % 1 < 0.85:
             return [0.75 * x * y for x, y in zip(color, goods[row][column % 14])]
         return times(color, 0.5 + 0.4 * v)
@@ -98,7 +98,7 @@ def shop(color, seed):
 
 
 write("dusk.hdr", 128, 64, dusk)
-for number, tone in enumerate(([2.6, 1.25, 0.42], [2.5, 1.7, 0.92], [0.55, 0.95, 1.9])):
+for number, tone in enumerate(([1.6, 0.77, 0.26], [1.5, 1.02, 0.55], [0.36, 0.62, 1.25])):
     write(f"home_{number}.hdr", 24, 32, home(tone))
 write("office.hdr", 32, 32, office([0.95, 1.0, 0.88]))
 for number, tone in enumerate(([1.5, 1.0, 0.5], [1.05, 1.1, 1.05])):
