@@ -8,6 +8,8 @@
 #pragma once
 
 #include "core/math/distribution.h"
+#include "core/math/sequences.h"
+#include "core/scene/scene.h"
 #include "plugins/light_samplers/light_list.h"
 #include "plugins/light_samplers/near_lights.h"
 

@@ -4,6 +4,7 @@
 #include "core/interfaces/light_sampler.h"
 
 #include "core/interfaces/bsdf.h"
+#include "plugins/light_samplers/light_study.h"
 #include "plugins/light_samplers/pilot_paths.h"
 #include "tests/render_scene.h"
 
@@ -114,6 +115,71 @@ TEST_P(SeenLights, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
         }
         EXPECT_NEAR(observed[lights] / trials, rest, 1e-3);
     }
+}
+
+TEST_P(SeenLights, E15_CachePointsAreNeverMuchWorseThanTheTree) {
+    // A light around the corner of the closest cache point is misjudged, but drawn nevertheless.
+    if (!GetParam().starts_with("cache_")) GTEST_SKIP() << "not made from cache points";
+    const TestScene test(courtyard(""));
+    const Scene& scene = test.scene();
+    const LightSampler& sampler = prepared(scene);
+    const SceneLights lights(scene);
+    for (const Receiver& at : seen_points(scene, 300)) {
+        for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+            EXPECT_GE(sampler.pmf(at, i), 0.099f * lights.tree.pmf(LitPoint(at), i));
+        }
+    }
+}
+
+/// Walls, a street and windows of a small city, from above.
+std::string small_city(int lights) {
+    const auto part = [&](const std::string& name, const std::string& content) {
+        return fmt::format(
+            "<shape type='city'><string name='part' value='{}'/><integer name='lights' "
+            "value='{}'/>{}</shape>",
+            name, lights, content);
+    };
+    return part("streets", diffuse(0.2)) + part("walls", diffuse(0.5)) +
+           part("roofs", diffuse(0.3)) + part("windows", area_light(1)) +
+           part("shops", area_light(1)) + part("lamps", area_light(400)) +
+           "<sensor type='perspective'><float name='fov' value='45'/><transform name='to_world'>"
+           "<lookat origin='-120,60,160' target='0,20,0' up='0,1,0'/></transform>"
+           "<film type='hdrfilm'><integer name='width' value='320'/>"
+           "<integer name='height' value='180'/></film></sensor>";
+}
+
+TEST(CacheSampler, E15_WallsUnderHundredsOfDimWindowsKnowThem) {
+    // Lamps below outshine the windows across the street in the bounds of any cluster; they are
+    // not seen from high walls, and what is left must not be drawn by such bounds.
+    constexpr int lights = 3000;
+    const TestScene test(small_city(lights));
+    const Scene& scene = test.scene();
+    Registry registry;
+    const auto prepare = [&](const std::string& type) {
+        std::unique_ptr<Object> object = make_object(registry, LightSampler::kind, type);
+        object->prepare(scene);
+        return object;
+    };
+    const auto cache_object = prepare("cache"), exhaustive_object = prepare("exhaustive");
+    const auto& cache = static_cast<const LightSampler&>(*cache_object);
+    const auto& exhaustive = static_cast<const LightSampler&>(*exhaustive_object);
+    // Of one draw, if all that the lights in sight contribute is what geometry tells.
+    std::vector<double> found;
+    for (const Receiver& at :
+         pilot_receivers(scene, {.count = 100, .bounces = 0, .seed = 5}, Workers(1))) {
+        double second_moment = 0, sum = 0;
+        for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+            const auto u = static_cast<double>(exhaustive.pmf(at, i));
+            if (!(u > 0) || !contributes(scene, scene.lights()[i], at)) continue;
+            second_moment += u * u / static_cast<double>(cache.pmf(at, i));
+            sum += u;
+        }
+        if (sum > 0) found.push_back(second_moment / (sum * sum));
+    }
+    std::sort(found.begin(), found.end());
+    ASSERT_GT(found.size(), 60u);
+    EXPECT_LT(found[found.size() / 2], 2);
+    EXPECT_LT(found[found.size() * 9 / 10], 5);
 }
 
 std::string direct_with(const std::string& sampler) {
