@@ -4,21 +4,10 @@
 
 #include "core/interfaces/bsdf.h"
 #include "core/interfaces/emitter.h"
+#include "core/math/solid_angle.h"
 
 namespace lucerna {
 namespace {
-
-/// The density per solid angle, seen from `from`, of a density per area at the point `p` with the
-/// normal `n` (Veach 1997, 8.2.2.2). In double: a cubed distance overflows floats early.
-float to_solid_angle(double pdf_area, Vector3 from, Vector3 p, Vector3 n) {
-    const Vector3d d = Vector3d(p) - Vector3d(from);
-    const double distance2 = glm::dot(d, d);
-    const double projected = std::abs(glm::dot(d, Vector3d(n)));
-    return static_cast<float>(pdf_area * distance2 * std::sqrt(distance2) / projected);
-}
-
-/// A density with which a sample can be weighted.
-bool is_usable(float pdf) { return pdf > 0 && std::isfinite(pdf); }
 
 void require_affine(const Params& params, const Transform& transform) {
     const Matrix4d& m = transform.matrix();
@@ -33,6 +22,7 @@ void require_affine(const Params& params, const Transform& transform) {
 Shape::Shape(const Params& params) {
     world_from_object_ = params.transform("to_world", "from the shape's own space to the world");
     bsdf_ = &params.nested_or<BSDF>("diffuse", "how the surface scatters light");
+    needs_tangents_ = bsdf_->uses_tangents();
     emitter_ = params.nested<Emitter>("makes the surface a light: an area emitter");
     flip_normals_ = params.boolean("flip_normals", false, "turns the normals inwards");
     require_affine(params, world_from_object_);
@@ -51,16 +41,13 @@ std::optional<Hit> Shape::intersect(const Ray&) const { return {}; }
 
 std::optional<SurfaceSample> Shape::sample_solid_angle(std::uint32_t primitive,
                                                        const Receiver& from, Vector2 u) const {
-    SurfaceSample sample = sample_area(primitive, u);
-    sample.pdf = to_solid_angle(sample.pdf, from.p, sample.p, sample.n);
-    if (!is_usable(sample.pdf)) return {};
-    return sample;
+    return seen_from(from.p, sample_area(primitive, u));
 }
 
 float Shape::pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3,
                              const Interaction& hit) const {
-    const float pdf = to_solid_angle(1.0 / area(primitive), from.p, hit.p, hit.n);
-    return is_usable(pdf) ? pdf : 0.0f;
+    const float pdf = solid_angle_density(1 / area(primitive), from.p, hit.p, hit.n);
+    return is_usable_density(pdf) ? pdf : 0.0f;
 }
 
 std::pair<Vector3, float> Shape::normal_cone(std::uint32_t) const { return {{0, 0, 1}, -1.0f}; }

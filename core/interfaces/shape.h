@@ -8,6 +8,7 @@
 
 #include "core/interfaces/samples.h"
 #include "core/math/bounds.h"
+#include "core/math/solid_angle.h"
 #include "core/math/transform.h"
 #include "core/plugin/plugin.h"
 
@@ -85,7 +86,8 @@ public:
 
     /// For analytic shapes: the nearest hit with 0 <= t <= ray.tmax, computed in double.
     virtual std::optional<Hit> intersect(const Ray& ray) const;
-    /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`.
+    /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`. Unless
+    /// `needs_tangents`, dpdu and dpdv may be left as they are, and any frame will do.
     virtual void fill(const Ray& ray, const Hit& hit, Interaction& at) const = 0;
     /// Asks the memory for what `fill` will read of a primitive: first for what tells where that
     /// is, then, when this has arrived, for the rest.
@@ -119,12 +121,22 @@ public:
     }
 
 protected:
+    /// A point chosen by area, with its density per solid angle seen from `from`. Empty if that is
+    /// not a density.
+    static std::optional<SurfaceSample> seen_from(Vector3 from, SurfaceSample sample) {
+        sample.pdf = solid_angle_density(sample.pdf, from, sample.p, sample.n);
+        if (!is_usable_density(sample.pdf)) return {};
+        return sample;
+    }
+
     /// For shapes that are never hit themselves (shapegroup, instance): reads nothing.
     struct NoSurface {};
     explicit Shape(NoSurface);
 
     const Transform& world_from_object() const { return world_from_object_; }
     bool flip_normals() const { return flip_normals_; }
+    /// Whether the BSDF asks for them.
+    bool needs_tangents() const { return needs_tangents_; }
 
 private:
     friend class Scene;
@@ -134,6 +146,7 @@ private:
     std::uint32_t first_light_ = 0;
     std::uint32_t scene_index_ = PrimitiveId::none;
     bool flip_normals_ = false;
+    bool needs_tangents_ = false;
     Transform world_from_object_;
 };
 

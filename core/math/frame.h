@@ -29,14 +29,6 @@ struct Frame {
         return {unit, glm::cross(n, unit), n};
     }
 
-    /// The frame around unit `n` with the s axis along `tangent`, perpendicular to n or zero.
-    static Frame from_normal_perpendicular(Vector3 n, Vector3 tangent) {
-        const float length2 = glm::dot(tangent, tangent);
-        if (!(length2 > 1e-36f && length2 < infinity)) return from_normal_tangent(n, tangent);
-        const Vector3 unit = tangent / std::sqrt(length2);
-        return {unit, glm::cross(n, unit), n};
-    }
-
     Vector3 to_local(Vector3 v) const { return {glm::dot(v, s), glm::dot(v, t), glm::dot(v, n)}; }
     Vector3 to_world(Vector3 v) const { return s * v.x + t * v.y + n * v.z; }
 };

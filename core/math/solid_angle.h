@@ -26,6 +26,24 @@ constexpr bool sample_by_area(float diagonal, float distance2) {
     return distance2 > 36 * diagonal * diagonal;
 }
 
+/// The density per solid angle [1/sr], seen from `from`, of a density per area [1/m²] at the point
+/// `p` with the unit normal `n` (Veach 1997, 8.2.2.2). In double where floats over- or underflow,
+/// or would lose what a grazing cosine has left; infinite or not a number where not defined.
+inline float solid_angle_density(float pdf_area, Vector3 from, Vector3 p, Vector3 n) {
+    const Vector3 d = p - from;
+    const float distance2 = glm::dot(d, d), projected = std::abs(glm::dot(d, n));
+    if (projected * projected > 1e-4f * distance2 && distance2 > 1e-20f && distance2 < 1e20f) {
+        return pdf_area * (distance2 / projected * std::sqrt(distance2));
+    }
+    const Vector3d exact = Vector3d(p) - Vector3d(from);
+    const double exact2 = glm::dot(exact, exact);
+    const double cosine = std::abs(glm::dot(exact, Vector3d(n))) / std::sqrt(exact2);
+    return static_cast<float>(static_cast<double>(pdf_area) * exact2 / cosine);
+}
+
+/// Whether samples can be weighted with it.
+inline bool is_usable_density(float pdf) { return pdf > 0 && pdf < infinity; }
+
 /// Solid angle [sr] of the triangle, in [0, 2π] (Van Oosterom and Strackee 1983). The determinant
 /// is taken of edge differences, because that of unit vectors cancels for small triangles.
 double triangle_solid_angle(Vector3d p, Vector3d v0, Vector3d v1, Vector3d v2);

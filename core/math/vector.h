@@ -58,6 +58,11 @@ inline float luminance(Color c) { return 0.212639f * c.x + 0.715169f * c.y + 0.0
 inline float max_component(Vector3 v) { return std::max(v.x, std::max(v.y, v.z)); }
 inline float min_component(Vector3 v) { return std::min(v.x, std::min(v.y, v.z)); }
 
+/// |x| of each component. glm::abs compares and branches, which random signs make slow.
+inline Vector2 absolute(Vector2 v) { return {std::abs(v.x), std::abs(v.y)}; }
+inline Vector3 absolute(Vector3 v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+inline Vector3d absolute(Vector3d v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+
 inline bool is_black(Color c) { return c.x == 0 && c.y == 0 && c.z == 0; }
 
 inline bool is_finite(Vector3 v) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/mesh.h"
 
+#include "core/math/four_floats.h"
 #include "core/math/rounding.h"
 #include "core/math/solid_angle.h"
 #include "core/math/warp.h"
@@ -10,7 +11,7 @@
 namespace lucerna {
 namespace {
 
-/// Embree reads 16 bytes for each position of 12: the last one needs room behind it.
+/// Embree and load_four read 16 bytes for each position of 12: the last one needs room behind it.
 constexpr std::size_t padding = 1;
 
 /// Embree drops primitives that reach further without a word.
@@ -23,7 +24,7 @@ Vector3d scaled_normal(Vector3 v0, Vector3 v1, Vector3 v2) {
 void require_vertices(const MeshData& data) {
     for (std::size_t i = 0; i < data.positions.size(); ++i) {
         const Vector3 p = data.positions[i];
-        if (max_component(glm::abs(p)) < coordinate_limit && is_finite(p)) continue;
+        if (max_component(absolute(p)) < coordinate_limit && is_finite(p)) continue;
         throw Error(
             fmt::format("{}: vertex {} is ({:g}, {:g}, {:g}); coordinates must be finite "
                         "and below {:g}",
@@ -145,18 +146,20 @@ MeshVertices::MeshVertices(const MeshData& data) : count_(data.positions.size())
 /// The corners of one triangle, and where they are stored.
 struct Mesh::Triangle {
     const float *a0, *a1, *a2;
-    Vector3 v0, v1, v2;
+    FourFloats v0 = load_four(a0), v1 = load_four(a1), v2 = load_four(a2);
 
+    Vector3 corner(int i) const { return to_vector3(i == 0 ? v0 : i == 1 ? v1 : v2); }
     /// Zero for a degenerate triangle.
-    Vector3d scaled_normal() const { return lucerna::scaled_normal(v0, v1, v2); }
+    Vector3d scaled_normal() const {
+        return lucerna::scaled_normal(corner(0), corner(1), corner(2));
+    }
     Vector3 normal() const {
         // In float unless the triangle is so thin that the cross product cancels.
-        const Vector3 e1 = v1 - v0, e2 = v2 - v0;
-        const Vector3 c = glm::cross(e1, e2);
-        const float length2 = glm::dot(c, c), scale2 = glm::dot(e1, e1) * glm::dot(e2, e2);
+        const FourFloats e1 = v1 - v0, e2 = v2 - v0, c = cross(e1, e2);
+        const float length2 = dot(c, c), scale2 = dot(e1, e1) * dot(e2, e2);
         constexpr float smallest = 1e-30f, largest = 1e30f;  // no square over- or underflows
         if (length2 > 0.01f * scale2 && length2 > smallest && scale2 < largest) {
-            return c / std::sqrt(length2);
+            return to_vector3(c * (1 / std::sqrt(length2)));
         }
         const Vector3d n = scaled_normal();
         const double length = glm::length(n);
@@ -164,21 +167,21 @@ struct Mesh::Triangle {
     }
     /// Empty if the triangle is to be sampled by area from there.
     std::optional<double> solid_angle_from(Vector3 p) const {
-        const float diagonal = std::sqrt(std::max(
-            {glm::dot(v1 - v0, v1 - v0), glm::dot(v2 - v1, v2 - v1), glm::dot(v0 - v2, v0 - v2)}));
-        if (sample_by_area(diagonal, glm::dot(v0 - p, v0 - p))) return {};
-        const double solid_angle =
-            triangle_solid_angle(Vector3d(p), Vector3d(v0), Vector3d(v1), Vector3d(v2));
+        const FourFloats e1 = v1 - v0, e2 = v2 - v1, e3 = v0 - v2;
+        const float diagonal = std::sqrt(std::max({dot(e1, e1), dot(e2, e2), dot(e3, e3)}));
+        const Vector3 d = corner(0) - p;
+        if (sample_by_area(diagonal, glm::dot(d, d))) return {};
+        const double solid_angle = triangle_solid_angle(Vector3d(p), Vector3d(corner(0)),
+                                                        Vector3d(corner(1)), Vector3d(corner(2)));
         if (!sample_by_solid_angle(solid_angle)) return {};
         return solid_angle;
     }
-    Vector3 point(Vector3 b) const { return b.x * v0 + b.y * v1 + b.z * v2; }
-    /// The rounding error of `point`, for all coordinates alike: a bound for each would be zero
-    /// on walls in a coordinate plane, and rays would not get off them.
-    float error(Vector3 b) const {
+    Vector3 point(Vector3 b) const { return to_vector3(b.x * v0 + b.y * v1 + b.z * v2); }
+    /// Bounds the rounding error of any `point`, for all coordinates alike: a bound for each would
+    /// be zero on walls in a coordinate plane, and rays would not get off them.
+    float error() const {
         return gamma(7) *
-               max_component(std::abs(b.x) * glm::abs(v0) + std::abs(b.y) * glm::abs(v1) +
-                             std::abs(b.z) * glm::abs(v2));
+               max_component(to_vector3(max(absolute(v0), max(absolute(v1), absolute(v2)))));
     }
 };
 
@@ -208,9 +211,8 @@ void Mesh::assign(MeshData data) {
     for (const std::uint32_t i : data.indices) bounds_.include(data.positions[i]);
 
     vertices_ = MeshVertices(data);
-    data.indices.reserve(3);  // a place to point at, even if there is no triangle
-    indices_ = std::move(data.indices);
-    if (!indices_.empty()) indices_.shrink_to_fit();
+    indices_.reserve(std::max<std::size_t>(data.indices.size(), 3));  // a place to point at
+    indices_.assign(data.indices.begin(), data.indices.end());
 }
 
 Geometry Mesh::geometry() const {
@@ -223,15 +225,7 @@ std::uint32_t Mesh::primitive_count() const {
 
 Mesh::Triangle Mesh::triangle(std::uint32_t primitive) const {
     const std::uint32_t* corner = &indices_[3 * std::size_t{primitive}];
-    const float* const a0 = vertices_.at(corner[0]);
-    const float* const a1 = vertices_.at(corner[1]);
-    const float* const a2 = vertices_.at(corner[2]);
-    return {a0,
-            a1,
-            a2,
-            MeshVertices::position(a0),
-            MeshVertices::position(a1),
-            MeshVertices::position(a2)};
+    return {vertices_.at(corner[0]), vertices_.at(corner[1]), vertices_.at(corner[2])};
 }
 
 Vector2 Mesh::uv_at(const Triangle& t, Vector3 b) const {
@@ -248,7 +242,7 @@ Vector3 Mesh::shading_normal(const Triangle& t, Vector3 b, Vector3 n) const {
 }
 
 void Mesh::fill_derivatives(const Triangle& t, Interaction& at) const {
-    const Vector3 edge1 = t.v1 - t.v0, edge2 = t.v2 - t.v0;
+    const Vector3 edge1 = to_vector3(t.v1 - t.v0), edge2 = to_vector3(t.v2 - t.v0);
     at.dpdu = edge1;
     at.dpdv = edge2;
     if (!vertices_.has_uvs()) return;
@@ -274,13 +268,16 @@ void Mesh::fill(const Ray&, const Hit& hit, Interaction& at) const {
     const float side = flip_normals() ? -1.0f : 1.0f;
     const Vector3 n = t.normal();
     at.p = t.point(b);
-    at.error = t.error(b);
+    at.error = t.error();
     at.n = side * n;
     at.uv = uv_at(t, b);
-    fill_derivatives(t, at);
-    at.shading = vertices_.has_normals() || vertices_.has_uvs()
-                     ? Frame::from_normal_tangent(side * shading_normal(t, b, n), at.dpdu)
-                     : Frame::from_normal_perpendicular(at.n, at.dpdu);
+    const Vector3 ns = side * shading_normal(t, b, n);
+    if (needs_tangents()) {
+        fill_derivatives(t, at);
+        at.shading = Frame::from_normal_tangent(ns, at.dpdu);
+    } else {
+        at.shading = Frame::from_normal(ns);
+    }
 }
 
 void Mesh::prefetch(std::uint32_t primitive, Prefetch what) const {
@@ -302,7 +299,7 @@ SurfaceSample Mesh::sample_at(std::uint32_t primitive, Vector3 b) const {
     return {.p = t.point(b),
             .n = flip_normals() ? -n : n,
             .uv = uv_at(t, b),
-            .error = t.error(b),
+            .error = t.error(),
             .pdf = 0};
 }
 
@@ -317,7 +314,7 @@ std::optional<SurfaceSample> Mesh::sample_solid_angle(std::uint32_t primitive, c
                                                       Vector2 u) const {
     const Triangle t = triangle(primitive);
     if (!t.solid_angle_from(from.p)) return Shape::sample_solid_angle(primitive, from, u);
-    const SphericalTriangle seen(from.p, t.v0, t.v1, t.v2);
+    const SphericalTriangle seen(from.p, t.corner(0), t.corner(1), t.corner(2));
     const Vector2 b = seen.sample(Vector2d(u)).barycentrics;
     SurfaceSample sample = sample_at(primitive, {b.x, b.y, 1 - b.x - b.y});
     sample.pdf = seen.pdf();
@@ -339,9 +336,7 @@ std::pair<Vector3, float> Mesh::normal_cone(std::uint32_t primitive) const {
 Bounds3 Mesh::primitive_bounds(std::uint32_t primitive) const {
     const Triangle t = triangle(primitive);
     Bounds3 bounds;
-    bounds.include(t.v0);
-    bounds.include(t.v1);
-    bounds.include(t.v2);
+    for (int i = 0; i < 3; ++i) bounds.include(t.corner(i));
     return bounds;
 }
 

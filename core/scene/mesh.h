@@ -11,6 +11,7 @@
 #pragma once
 
 #include "core/interfaces/shape.h"
+#include "core/scene/huge_pages.h"
 
 #include <string>
 #include <vector>
@@ -63,7 +64,7 @@ private:
     struct alignas(64) CacheLine {
         float floats[16];
     };
-    std::vector<CacheLine> lines_ = std::vector<CacheLine>(1);
+    std::vector<CacheLine, HugePages<CacheLine>> lines_{1};
     std::size_t count_ = 0;
     std::uint32_t stride_ = 3;
     std::uint32_t normal_ = 0, uv_ = 0;  ///< offsets; zero: none
@@ -104,7 +105,7 @@ private:
     void fill_derivatives(const Triangle& triangle, Interaction& at) const;
 
     MeshVertices vertices_;
-    std::vector<std::uint32_t> indices_;
+    std::vector<std::uint32_t, HugePages<std::uint32_t>> indices_;
     bool face_normals_ = false;
     Bounds3 bounds_;
 };

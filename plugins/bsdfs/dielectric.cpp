@@ -18,6 +18,7 @@ public:
         return matched ? Lobe::specular_transmission
                        : Lobe::specular_reflection | Lobe::specular_transmission;
     }
+    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction&, Vector3, Vector3, TransportMode) const override {
         return {};

@@ -17,6 +17,7 @@ public:
                                           "fraction of light reflected")) {}
 
     Lobe lobes() const override { return Lobe::diffuse_reflection; }
+    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {

@@ -30,13 +30,15 @@ public:
                                                 "roughness along the tangent, instead of alpha");
         const FloatInput v = params.float_input("alpha_v", alpha_v_.constant, non_negative,
                                                 "roughness along the bitangent, instead of alpha");
-        const bool anisotropic = params.has("alpha_u") || params.has("alpha_v");
-        if (anisotropic && params.has("alpha")) {
+        anisotropic_ = params.has("alpha_u") || params.has("alpha_v");
+        if (anisotropic_ && params.has("alpha")) {
             params.error("alpha", "give either \"alpha\" or \"alpha_u\" and \"alpha_v\"");
         }
         if (params.has("alpha_u")) alpha_u_ = u;
         if (params.has("alpha_v")) alpha_v_ = v;
     }
+
+    bool anisotropic() const { return anisotropic_; }
 
     Microfacet operator()(Vector2 uv) const { return {type_, alpha_u_(uv), alpha_v_(uv)}; }
 
@@ -51,6 +53,7 @@ public:
 private:
     Microfacet::Type type_;
     FloatInput alpha_u_, alpha_v_;
+    bool anisotropic_ = false;
 };
 
 }  // namespace lucerna

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/interfaces/shape.h"
+#include "core/math/angle.h"
 #include "core/math/rounding.h"
 
 #include <fmt/format.h>
@@ -47,7 +48,7 @@ inline Bounds3 bounds_around(Vector3d min, Vector3d max) {
 /// Distance from the surface of a point that was computed in double from coordinates up to
 /// `magnitude` and rounded to the float `p`.
 inline float rounding_error(Vector3 p, double magnitude) {
-    return gamma(2) * max_component(glm::abs(p)) + static_cast<float>(0x1p-46 * magnitude);
+    return gamma(2) * max_component(absolute(p)) + static_cast<float>(0x1p-46 * magnitude);
 }
 
 /// Parameters t, in order, at which a line meets a sphere or a circle.
@@ -81,10 +82,10 @@ std::optional<Roots> meet_round(Vector o, Vector d, double radius) {
     return Roots{std::min(smaller, larger), std::max(smaller, larger)};
 }
 
-/// The angle of (x, y) as a fraction of a turn, in [0, 1].
-inline float turn_of(double x, double y) {
-    const double turn = std::atan2(y, x) / (2 * std::numbers::pi);
-    return static_cast<float>(turn < 0 ? turn + 1 : turn);
+/// The angle of `p` as a fraction of a turn, in [0, 1].
+inline float turn_of(Vector2 p) {
+    const float turn = angle_of(p.x, p.y) * (0.5f * inv_pi);
+    return turn < 0 ? turn + 1 : turn;
 }
 
 }  // namespace lucerna

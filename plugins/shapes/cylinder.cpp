@@ -68,6 +68,10 @@ public:
         at.error = point.error;
         at.n = point.n;
         at.uv = point.uv;
+        if (!needs_tangents()) {
+            at.shading = Frame::from_normal(at.n);
+            return;
+        }
         const double circumference = 2 * std::numbers::pi * radius_;
         at.dpdu =
             Vector3(world_from_local_ * Vector3d(-circumference * n.y, circumference * n.x, 0));
@@ -108,7 +112,7 @@ private:
         const double magnitude = glm::length(base_) + length_ + radius_;
         return {.p = p,
                 .n = Vector3(flip_normals() ? -normal : normal),
-                .uv = {turn_of(n.x, n.y), static_cast<float>(1 - z / length_)},
+                .uv = {turn_of(Vector2(n)), static_cast<float>(1 - z / length_)},
                 .error = rounding_error(p, magnitude),
                 .pdf = 0};
     }

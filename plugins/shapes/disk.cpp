@@ -51,6 +51,10 @@ public:
         at.error = point.error;
         at.n = point.n;
         at.uv = point.uv;
+        if (!needs_tangents()) {
+            at.shading = Frame::from_normal(at.n);
+            return;
+        }
         const double r = std::hypot(hit.uv.x, hit.uv.y);
         const Vector2d around = r > 0 ? Vector2d(hit.uv) / r : Vector2d(1, 0);
         at.dpdu = Vector3(around.x * axis_x_ + around.y * axis_y_);
@@ -79,7 +83,7 @@ private:
         const double magnitude = glm::length(center_) + glm::length(axis_x_) + glm::length(axis_y_);
         return {.p = p,
                 .n = Vector3(flip_normals() ? -n_ : n_),
-                .uv = {static_cast<float>(glm::length(at)), turn_of(at.x, -at.y)},
+                .uv = {glm::length(xy), turn_of({xy.x, -xy.y})},
                 .error = rounding_error(p, magnitude),
                 .pdf = 0};
     }

@@ -22,34 +22,34 @@ public:
 
     void fill(const Ray&, const Hit& hit, Interaction& at) const final {
         const Parallelogram& it = list_[hit.primitive];
-        at.p = it.corner + hit.uv.x * it.edge_u + hit.uv.y * it.edge_v;
-        at.error = error(it);
-        at.n = normal(it);
+        const Facts& facts = facts_[hit.primitive];
+        at.p = point(it, hit.uv);
+        at.error = facts.error;
+        at.n = facts.normal;
         at.uv = hit.uv;
         at.dpdu = it.edge_u;
         at.dpdv = it.edge_v;
-        at.shading = Frame::from_normal_tangent(at.n, it.edge_u);
+        at.shading = needs_tangents() ? Frame::from_normal_tangent(at.n, it.edge_u)
+                                      : Frame::from_normal(at.n);
     }
 
     std::uint32_t primitive_count() const final { return static_cast<std::uint32_t>(list_.size()); }
 
-    float area(std::uint32_t primitive) const final {
-        return static_cast<float>(glm::length(scaled_normal(list_[primitive])));
-    }
+    float area(std::uint32_t primitive) const final { return facts_[primitive].area; }
 
     SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const final {
-        const Parallelogram& it = list_[primitive];
-        return {.p = it.corner + u.x * it.edge_u + u.y * it.edge_v,
-                .n = normal(it),
+        const Facts& facts = facts_[primitive];
+        return {.p = point(list_[primitive], u),
+                .n = facts.normal,
                 .uv = u,
-                .error = error(it),
-                .pdf = 1 / area(primitive)};
+                .error = facts.error,
+                .pdf = 1 / facts.area};
     }
 
     std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,
                                                     Vector2 u) const final {
-        const std::optional<SphericalRectangle> seen = seen_from(from.p, list_[primitive]);
-        if (!seen) return Shape::sample_solid_angle(primitive, from, u);
+        const std::optional<SphericalRectangle> seen = spherical_rectangle(from.p, primitive);
+        if (!seen) return seen_from(from.p, sample_area(primitive, u));
         SurfaceSample sample = sample_area(primitive, seen->sample(Vector2d(u)));
         sample.pdf = seen->pdf();
         return sample;
@@ -57,12 +57,12 @@ public:
 
     float pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3 wi,
                           const Interaction& hit) const final {
-        const std::optional<SphericalRectangle> seen = seen_from(from.p, list_[primitive]);
+        const std::optional<SphericalRectangle> seen = spherical_rectangle(from.p, primitive);
         return seen ? seen->pdf() : Shape::pdf_solid_angle(primitive, from, wi, hit);
     }
 
     std::pair<Vector3, float> normal_cone(std::uint32_t primitive) const final {
-        return {normal(list_[primitive]), 1.0f};
+        return {facts_[primitive].normal, 1.0f};
     }
 
     Bounds3 primitive_bounds(std::uint32_t primitive) const final {
@@ -76,8 +76,9 @@ protected:
     /// Takes parallelograms of the world; `flipped`: they face where edge_v × edge_u points.
     void assign(std::vector<Parallelogram> list, bool flipped) {
         list_ = std::move(list);
-        side_ = flipped ? -1.0f : 1.0f;
+        facts_.reserve(list_.size());
         for (const Parallelogram& it : list_) {
+            facts_.emplace_back(it, flipped ? -1.0f : 1.0f);
             const Bounds3 bounds = bounds_of(it);
             bounds_.include(bounds.min);
             bounds_.include(bounds.max);
@@ -85,27 +86,31 @@ protected:
     }
 
 private:
-    static Vector3d scaled_normal(const Parallelogram& it) {
-        return glm::cross(Vector3d(it.edge_u), Vector3d(it.edge_v));
-    }
+    /// What hits and samples ask for, computed once.
+    struct Facts {
+        Vector3 normal;  ///< unit length
+        float area;
+        float error;     ///< of points, for all coordinates alike
+        float diagonal;  ///< the longer
+        bool rectangle;
 
-    Vector3 normal(const Parallelogram& it) const {
-        // In float unless it is so thin that the cross product cancels.
-        const Vector3 c = glm::cross(it.edge_u, it.edge_v);
-        const float length2 = glm::dot(c, c);
-        const float scale2 = glm::dot(it.edge_u, it.edge_u) * glm::dot(it.edge_v, it.edge_v);
-        constexpr float smallest = 1e-30f, largest = 1e30f;  // no square over- or underflows
-        if (length2 > 0.01f * scale2 && length2 > smallest && scale2 < largest) {
-            return (side_ / std::sqrt(length2)) * c;
+        Facts(const Parallelogram& it, float side)
+            : error(gamma(7) *
+                    max_component(absolute(it.corner) + absolute(it.edge_u) + absolute(it.edge_v))),
+              diagonal(std::max(glm::length(it.edge_u + it.edge_v),
+                                glm::length(it.edge_u - it.edge_v))) {
+            const Vector3d n = glm::cross(Vector3d(it.edge_u), Vector3d(it.edge_v));
+            const double length = glm::length(n);
+            normal = length > 0 ? side * Vector3(n / length) : Vector3(0, 0, side);
+            area = static_cast<float>(length);
+            // Matrices are written with six digits; a shear below that biases nothing visible.
+            const float uv = glm::dot(it.edge_u, it.edge_v);
+            rectangle = std::abs(uv) < 1e-5f * glm::length(it.edge_u) * glm::length(it.edge_v);
         }
-        const Vector3d n = scaled_normal(it);
-        const double length = glm::length(n);
-        return length > 0 ? side_ * Vector3(n / length) : Vector3(0, 0, side_);
-    }
+    };
 
-    static float error(const Parallelogram& it) {
-        return gamma(7) *
-               max_component(glm::abs(it.corner) + glm::abs(it.edge_u) + glm::abs(it.edge_v));
+    static Vector3 point(const Parallelogram& it, Vector2 uv) {
+        return it.corner + uv.x * it.edge_u + uv.y * it.edge_v;
     }
 
     static Bounds3 bounds_of(const Parallelogram& it) {
@@ -117,26 +122,21 @@ private:
         return bounds;
     }
 
-    /// Matrices are written with six digits; a shear below that biases nothing visible.
-    static bool is_rectangle(const Parallelogram& it) {
-        const float uv = glm::dot(it.edge_u, it.edge_v);
-        return std::abs(uv) < 1e-5f * glm::length(it.edge_u) * glm::length(it.edge_v);
-    }
-
     /// Empty if it must be sampled by area from there.
-    static std::optional<SphericalRectangle> seen_from(Vector3 p, const Parallelogram& it) {
-        const Vector3 d = it.corner + 0.5f * (it.edge_u + it.edge_v) - p;
-        const float diagonal =
-            std::max(glm::length(it.edge_u + it.edge_v), glm::length(it.edge_u - it.edge_v));
-        if (sample_by_area(diagonal, glm::dot(d, d)) || !is_rectangle(it)) return {};
+    std::optional<SphericalRectangle> spherical_rectangle(Vector3 p,
+                                                          std::uint32_t primitive) const {
+        const Parallelogram& it = list_[primitive];
+        const Facts& facts = facts_[primitive];
+        const Vector3 d = point(it, Vector2(0.5f)) - p;
+        if (!facts.rectangle || sample_by_area(facts.diagonal, glm::dot(d, d))) return {};
         const SphericalRectangle seen(p, it.corner, it.edge_u, it.edge_v);
         if (!sample_by_solid_angle(seen.solid_angle())) return {};
         return seen;
     }
 
     std::vector<Parallelogram> list_;
+    std::vector<Facts> facts_;  ///< of each
     Bounds3 bounds_;
-    float side_ = 1;
 };
 
 }  // namespace lucerna
