@@ -51,7 +51,7 @@ std::string xml(const TestCamera& c) {
 std::string text_of(Vector3d v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); }
 
 std::string look(Vector3d from, Vector3d at) {
-    const Vector3d d = glm::abs(at - from);
+    const Vector3d d = absolute(at - from);
     const Vector3d up = d.y > 0.9 * glm::length(d) ? Vector3d(1, 0, 0) : Vector3d(0, 1, 0);
     return fmt::format("<lookat origin='{}' target='{}' up='{}'/>", text_of(from), text_of(at),
                        text_of(up));

@@ -29,6 +29,12 @@ struct CameraSample {
     Ray ray;
     SampleStream stream;
     PixelSample result;
+
+    /// Number `index` of a sequence of the sampler; all else is yet to be filled.
+    CameraSample(const Sampler& sampler, std::uint64_t sequence, std::uint64_t index)
+        : stream(sampler, sequence, index) {}
+    CameraSample(const Ray& ray_, const SampleStream& stream_, const PixelSample& result_)
+        : ray(ray_), stream(stream_), result(result_) {}
 };
 
 class Integrator : public Object {

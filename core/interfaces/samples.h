@@ -7,6 +7,7 @@
 #pragma once
 
 #include "core/math/frame.h"
+#include "core/math/rounding.h"
 #include "core/math/vector.h"
 
 #include <cstdint>
@@ -67,10 +68,20 @@ struct Interaction {
     Vector3 to_world(Vector3 local) const { return shading.to_world(local); }
 
     /// A ray that leaves along `d` and does not hit the surface it starts on.
-    Ray spawn_ray(Vector3 d) const;
+    Ray spawn_ray(Vector3 d) const {
+        return {.o = offset_ray_origin(p, error, n, d), .d = d, .tmax = infinity, .source = source};
+    }
     /// The point as seen from direction `wo` (world); light can go to `sides`, where front is
     /// the side of `wo`.
-    Receiver receiver(Vector3 wo, Sides sides) const;
+    Receiver receiver(Vector3 wo, Sides sides) const {
+        const float side = std::copysign(1.0f, glm::dot(wo, n));
+        return {.p = p,
+                .n = side * n,
+                .ns = side * shading.n,
+                .error = error,
+                .sides = sides,
+                .source = source};
+    }
 };
 
 /// What a lobe of a BSDF is. A BSDF's lobes are or-ed together.
@@ -98,6 +109,11 @@ inline constexpr Lobe delta_lobes =
     Lobe::specular_reflection | Lobe::specular_transmission | Lobe::null;
 inline constexpr Lobe transmission_lobes = Lobe::diffuse_transmission | Lobe::glossy_transmission |
                                            Lobe::specular_transmission | Lobe::null;
+
+/// Sides to which light can go, of front and back: both if something is transmitted.
+constexpr Sides sides(Lobe lobes) {
+    return any(lobes & transmission_lobes) ? Sides::both : Sides::front;
+}
 
 /// Which quantity is scattered; they differ by η² at refraction (Veach 1997, 5.2).
 enum class TransportMode : std::uint8_t { radiance, importance };

@@ -6,6 +6,7 @@
 /// unit vectors around +z.
 #pragma once
 
+#include "core/math/select.h"
 #include "core/math/vector.h"
 
 namespace lucerna {
@@ -27,16 +28,17 @@ struct DiskPoint {
 inline DiskPoint square_to_disk_point(Vector2 u) {
     const float a = (2 * u.x - 1) + 0x1p-24f;
     const float b = (2 * u.y - 1) + 0x1p-24f;
-    const bool along_x = std::abs(a) > std::abs(b);
-    const float r = along_x ? a : b;
-    const float phi = (pi / 4) * ((along_x ? b : a) / r);  // from the axis along which r lies
+    const bool along_y = !less_magnitude(b, a);
+    const float r = select(along_y, b, a);
+    const float across = select(along_y, a, b);
+    const float phi = (pi / 4) * (across / r);  // from the axis along which r lies
     // On |φ| ≤ π/4 the series to x⁹ are exact to 3·10⁻⁸, in half the time of the library's.
     const float x2 = phi * phi;
     const float cosine = 1 - x2 * (1 / 2.0f - x2 * (1 / 24.0f - x2 * (1 / 720.0f - x2 / 40320.0f)));
     const float sine =
         phi * (1 - x2 * (1 / 6.0f - x2 * (1 / 120.0f - x2 * (1 / 5040.0f - x2 / 362880.0f))));
     const float rim = std::abs(r);
-    return {r * (along_x ? Vector2(cosine, sine) : Vector2(sine, cosine)),
+    return {r * Vector2(select(along_y, sine, cosine), select(along_y, cosine, sine)),
             std::sqrt((1 - rim) * (1 + rim))};
 }
 

@@ -67,15 +67,21 @@ public:
         samples_.reserve(size);
     }
 
-    void add(std::size_t pixel, bool negative, const Ray& ray, const SampleStream& stream) {
-        samples_.push_back({.ray = ray, .stream = stream, .result = {}});
-        CameraSample& sample = samples_.back();
-        sample.result.pixel = pixel;
-        sample.result.layers =
-            std::span(layers_).subspan((samples_.size() - 1) * layer_count_, layer_count_);
-        negative_.push_back(negative);
+    /// Number `index` of the sequence, for the pixel; its ray is to be set.
+    CameraSample& add(std::size_t pixel, const Sampler& sampler, std::uint64_t sequence,
+                      std::uint64_t index) {
         if (samples_.size() == size_) finish();
+        CameraSample& sample = samples_.emplace_back(sampler, sequence, index);
+        sample.result.pixel = pixel;
+        if (layer_count_ > 0) {
+            sample.result.layers =
+                std::span(layers_).subspan((samples_.size() - 1) * layer_count_, layer_count_);
+        }
+        negative_.push_back(false);
+        return sample;
     }
+    /// The filter is negative where the last sample lies.
+    void mark_negative() { negative_.back() = true; }
 
     void finish() {
         if (samples_.empty()) return;
@@ -94,7 +100,7 @@ private:
     FilmState& film_;
     std::size_t layer_count_;
     std::vector<CameraSample> samples_;
-    std::vector<bool> negative_;
+    std::vector<char> negative_;
     std::vector<float> layers_;
 };
 
@@ -189,12 +195,12 @@ void RenderJob::sample_pixel(SampleRange range, Vector2i pixel, Batch& batch) {
     // A pass that was cut short may have done some of the samples already.
     const std::uint64_t begin = state_.first_sample() + state_.samples(index);
     for (std::uint64_t i = begin; i < range.end; ++i) {
-        SampleStream stream(sensor.sampler(), sequences[i & 1], i >> 1);
-        const FilterSampler::Sample film = filter_.sample(stream.next_2d());
-        const Vector2 u_lens = stream.next_2d();
-        stream.jump_to(first_integrator_dimension);
-        const Ray ray = sensor.sample_ray(Vector2(position) + 0.5f + film.offset, u_lens);
-        batch.add(index, film.negative, ray, stream);
+        CameraSample& sample = batch.add(index, sensor.sampler(), sequences[i & 1], i >> 1);
+        const FilterSampler::Sample film = filter_.sample(sample.stream.next_2d());
+        if (film.negative) batch.mark_negative();
+        const Vector2 u_lens = sample.stream.next_2d();
+        sample.stream.jump_to(first_integrator_dimension);
+        sample.ray = sensor.sample_ray(Vector2(position) + 0.5f + film.offset, u_lens);
     }
 }
 

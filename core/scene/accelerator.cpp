@@ -242,24 +242,24 @@ void to_embree(const Ray& ray, float tmin, RTCRay& r) {
 
 }  // namespace
 
-std::optional<SceneHit> Accelerator::intersect(const Ray& ray, float tmin) const {
+bool Accelerator::intersect(const Ray& ray, float tmin, SceneHit& met) const {
     RTCRayHit r;
     to_embree(ray, tmin, r.ray);
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     embree::intersect(implementation_->scene, r);
-    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
 
     const bool instanced = r.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
     const GeometryEntry& outer =
         implementation_->entries[instanced ? r.hit.instID[0] : r.hit.geomID];
     const GeometryEntry& entry = instanced ? (*outer.group)[r.hit.geomID] : outer;
-    return SceneHit{
-        .hit = {.t = r.ray.tfar, .uv = {r.hit.u, r.hit.v}, .primitive = r.hit.primID},
-        .shape = entry.shape,
-        .instance = instanced ? outer.shape : nullptr,
-        .id = {.geometry = r.hit.geomID, .primitive = r.hit.primID, .instance = r.hit.instID[0]},
-        .flat = entry.flat};
+    met.hit = {.t = r.ray.tfar, .uv = {r.hit.u, r.hit.v}, .primitive = r.hit.primID};
+    met.shape = entry.shape;
+    met.instance = instanced ? outer.shape : nullptr;
+    met.id = {.geometry = r.hit.geomID, .primitive = r.hit.primID, .instance = r.hit.instID[0]};
+    met.flat = entry.flat;
+    return true;
 }
 
 bool Accelerator::occluded(const Ray& ray, PrimitiveId target) const {

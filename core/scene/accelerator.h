@@ -25,8 +25,9 @@ public:
     Accelerator(std::span<Shape* const> shapes, int threads);
     ~Accelerator();
 
-    /// The nearest hit with tmin <= t <= ray.tmax. The ray must be finite.
-    std::optional<SceneHit> intersect(const Ray& ray, float tmin) const;
+    /// The nearest hit with tmin <= t <= ray.tmax; false, and `met` is left alone, if there is
+    /// none. The ray must be finite.
+    bool intersect(const Ray& ray, float tmin, SceneHit& met) const;
     /// True if something lies on the ray that is neither `ray.source` nor `target`. The ray must
     /// be finite; its direction may have any length but zero.
     bool occluded(const Ray& ray, PrimitiveId target) const;

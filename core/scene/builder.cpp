@@ -249,7 +249,7 @@ std::optional<Vector3d> far_center(const std::vector<Shape*>& shapes) {
     if (bounds.empty()) return {};
     constexpr float far = 1e3f;
     const Vector3 center = bounds.center();
-    if (max_component(glm::abs(center)) <= far * max_component(bounds.extent())) return {};
+    if (max_component(absolute(center)) <= far * max_component(bounds.extent())) return {};
     return Vector3d(center);
 }
 

@@ -14,11 +14,9 @@ namespace {
 constexpr float coordinate_limit = 1e18f;  // beyond it Embree's arithmetic overflows
 
 bool is_traceable(const Ray& ray) {
-    const auto in_range = [](Vector3 v) {
-        return std::abs(v.x) < coordinate_limit && std::abs(v.y) < coordinate_limit &&
-               std::abs(v.z) < coordinate_limit;
-    };
-    return in_range(ray.o) && in_range(ray.d) && ray.tmax >= 0 && glm::dot(ray.d, ray.d) > 0;
+    const Vector3 sums = absolute(ray.o) + absolute(ray.d);  // NaN and infinity stay
+    return sums.x + sums.y + sums.z < coordinate_limit && ray.tmax >= 0 &&
+           glm::dot(ray.d, ray.d) > 0;
 }
 
 /// Fills the interaction of a hit on a shape of a group: in the space of the group, then moved.
@@ -38,7 +36,7 @@ void fill_through_instance(const SceneHit& met, const Ray& ray, Interaction& at)
             std::max(stretch, std::abs(m[0][row]) + std::abs(m[1][row]) + std::abs(m[2][row]));
     }
     at.p = Vector3(p);
-    at.error = static_cast<float>(stretch) * at.error + gamma(4) * max_component(glm::abs(at.p));
+    at.error = static_cast<float>(stretch) * at.error + gamma(4) * max_component(absolute(at.p));
     at.n = Vector3(glm::normalize(world_from_group.normal(Vector3d(at.n))));
     at.dpdu = world_from_group.direction(at.dpdu);
     at.dpdv = world_from_group.direction(at.dpdv);
@@ -56,7 +54,7 @@ void keep_viewer_above(Interaction& at, Vector3 wo) {
     constexpr float least_cosine = 1e-3f;
     const float wanted = geometric > 0 ? least_cosine : -least_cosine;
     const Vector3 n = glm::normalize(at.shading.n + (wanted - shading) * wo);
-    at.shading = Frame::from_normal_tangent(n, at.dpdu);
+    at.shading = Frame::from_normal_tangent(n, at.shading.s);
 }
 
 }  // namespace
@@ -133,11 +131,11 @@ bool Scene::fill(const Ray& ray, const SceneHit& met, Interaction& at) const {
 std::optional<Interaction> Scene::intersect_from(const Ray& ray, float tmin, int attempt) const {
     for (; attempt < 8; ++attempt) {
         ++thread_ray_statistics().intersections;
-        const std::optional<SceneHit> met = accelerator_->intersect(ray, tmin);
-        if (!met) return {};
+        SceneHit met;
+        if (!accelerator_->intersect(ray, tmin, met)) return {};
         std::optional<Interaction> at(std::in_place);
-        if (fill(ray, *met, *at)) return at;
-        tmin = next_float_up(met->hit.t);
+        if (fill(ray, met, *at)) return at;
+        tmin = next_float_up(met.hit.t);
     }
     return {};
 }
@@ -151,30 +149,33 @@ std::optional<Interaction> Scene::intersect(const Ray& ray) const {
 }
 
 void Scene::intersect(std::span<TracedRay* const> rays) const {
-    constexpr std::size_t most = 64;
+    constexpr std::size_t most = 16;  // what they read stays in the first cache
     for (; rays.size() > most; rays = rays.subspan(most)) intersect(rays.first(most));
     RayStatistics& statistics = thread_ray_statistics();
-    std::optional<SceneHit> met[most];
+    SceneHit met[most];
+    std::uint8_t hits[most];  // of the rays, those that met something
+    std::size_t hit_count = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
+        rays[i]->hit.reset();
         const Ray& ray = rays[i]->ray;
         if (!is_traceable(ray)) [[unlikely]] {
             ++statistics.dropped;
             continue;
         }
         ++statistics.intersections;
-        met[i] = accelerator_->intersect(ray, 0);
-        if (met[i]) met[i]->shape->prefetch(met[i]->hit.primitive, Shape::Prefetch::addresses);
+        if (!accelerator_->intersect(ray, 0, met[i])) continue;
+        met[i].shape->prefetch(met[i].hit.primitive, Shape::Prefetch::addresses);
+        hits[hit_count++] = static_cast<std::uint8_t>(i);
     }
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (met[i]) met[i]->shape->prefetch(met[i]->hit.primitive, Shape::Prefetch::data);
+    for (std::size_t k = 0; k < hit_count; ++k) {
+        const SceneHit& hit = met[hits[k]];
+        hit.shape->prefetch(hit.hit.primitive, Shape::Prefetch::data);
     }
-    for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (std::size_t k = 0; k < hit_count; ++k) {
+        const std::size_t i = hits[k];
         TracedRay& traced = *rays[i];
-        traced.hit.reset();
-        if (!met[i]) continue;
-        traced.hit.emplace();
-        if (fill(traced.ray, *met[i], *traced.hit)) continue;
-        traced.hit = intersect_from(traced.ray, next_float_up(met[i]->hit.t), 1);
+        if (fill(traced.ray, met[i], traced.hit.emplace())) continue;
+        traced.hit = intersect_from(traced.ray, next_float_up(met[i].hit.t), 1);
     }
 }
 

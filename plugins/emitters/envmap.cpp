@@ -141,7 +141,7 @@ private:
             const Color c = scale * image.rgb(i);
             const bool finite = is_finite(c);
             texels_[i] = finite ? glm::max(c, Color(0)) : Color(0);
-            bad += !finite || min_component(c) < -tolerance * max_component(glm::abs(c));
+            bad += !finite || min_component(c) < -tolerance * max_component(absolute(c));
         }
         return bad;
     }

@@ -92,40 +92,42 @@ struct LightEstimate {
 struct LitSurface {
     const Interaction& at;
     const BSDF& bsdf;
+    Lobe lobes;
     Vector3 wo_local;
     Receiver receiver;
 
     LitSurface(const Interaction& interaction, const BSDF& material, Vector3 wo)
         : at(interaction),
           bsdf(material),
+          lobes(material.lobes()),
           wo_local(interaction.to_local(wo)),
-          receiver(interaction.receiver(wo, material.sides())) {}
+          receiver(interaction.receiver(wo, sides(lobes))) {}
 };
 
 /// Draw number `draw` of the sampler, weighted against `bsdf_samples` samples of the BSDF; `passes`
-/// such draws are averaged by the caller. Empty: nothing can arrive.
-inline std::optional<LightEstimate> sample_light(const Scene& scene, const LightSampler& sampler,
-                                                 const LitSurface& surface, std::uint32_t draw,
-                                                 float passes, float bsdf_samples,
-                                                 SampleStream& stream) {
+/// such draws are averaged by the caller. False: nothing can arrive.
+inline bool sample_light(const Scene& scene, const LightSampler& sampler, const LitSurface& surface,
+                         std::uint32_t draw, float passes, float bsdf_samples, SampleStream& stream,
+                         LightEstimate& result) {
     const Vector2 u_light = stream.next_2d();
     const Vector2 u = stream.next_2d();
     const Interaction& at = surface.at;
     const std::optional<LightChoice> choice = sampler.sample(surface.receiver, draw, u_light.x);
-    if (!choice) return {};
+    if (!choice) return false;
     const Light& light = scene.lights()[choice->light];
     const std::optional<LightSample> sample = light.emitter->sample_li(light, surface.receiver, u);
-    if (!sample || is_black(sample->radiance)) return {};
+    if (!sample || is_black(sample->radiance)) return false;
     const Vector3 wi_local = at.to_local(sample->wi);
-    if (!same_side(at, sample->wi, wi_local)) return {};
+    if (!same_side(at, sample->wi, wi_local)) return false;
     const BSDFValue value =
         surface.bsdf.evaluate(at, surface.wo_local, wi_local, TransportMode::radiance);
-    if (is_black(value.f)) return {};
+    if (is_black(value.f)) return false;
     const float density = choice->pmf * sample->pdf;
     const float weight =
         sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);
-    return LightEstimate{*sample,
-                         value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density)};
+    result.sample = *sample;
+    result.value = value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density);
+    return true;
 }
 
 /// Direct light at `at` towards `wo` by light sampling: one pass over all draws of the sampler.
@@ -134,12 +136,12 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
                            SampleStream& stream) {
     const LitSurface surface(at, bsdf, wo);
     ColorD sum(0);  // in double: there may be a million draws
+    LightEstimate estimate;
     for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
-        const auto estimate =
-            sample_light(scene, sampler, surface, draw, passes, bsdf_samples, stream);
-        if (estimate && !scene.occluded(surface.receiver, estimate->sample)) {
-            sum += ColorD(estimate->value);
+        if (!sample_light(scene, sampler, surface, draw, passes, bsdf_samples, stream, estimate)) {
+            continue;
         }
+        if (!scene.occluded(surface.receiver, estimate.sample)) sum += ColorD(estimate.value);
     }
     return Color(sum);
 }

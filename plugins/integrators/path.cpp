@@ -49,7 +49,7 @@ private:
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
         Vector2 u_direction{0}, u_lobe_and_roulette{0};
         std::optional<LitSurface> surface;
-        std::optional<LightEstimate> light;
+        LightEstimate light;
         ColorD direct{0};
     };
     using Paths = std::vector<Path*>;
@@ -100,17 +100,20 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
         path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
         path->direct = ColorD(0);  // in double: there may be a million draws
     }
+    Paths lit;
+    lit.reserve(paths.size());
     for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
+        lit.clear();
         for (Path* path : paths) {
-            path->light.reset();
-            if (!any(path->surface->bsdf.lobes() & smooth_lobes)) continue;
-            path->light = sample_light(scene, light_sampler_, *path->surface, draw, 1, 1,
-                                       path->sample->stream);
+            if (!any(path->surface->lobes & smooth_lobes)) continue;
+            if (sample_light(scene, light_sampler_, *path->surface, draw, 1, 1,
+                             path->sample->stream, path->light)) {
+                lit.push_back(path);
+            }
         }
-        for (Path* path : paths) {
-            if (!path->light) continue;
-            if (scene.occluded(path->surface->receiver, path->light->sample)) continue;
-            path->direct += ColorD(path->light->value);
+        for (Path* path : lit) {
+            if (scene.occluded(path->surface->receiver, path->light.sample)) continue;
+            path->direct += ColorD(path->light.value);
         }
     }
     for (Path* path : paths) path->sample->result.radiance += path->beta * Color(path->direct);

@@ -2,6 +2,7 @@
 /// One photon where it met a surface, in 32 bytes.
 #pragma once
 
+#include "core/math/select.h"
 #include "core/math/vector.h"
 
 namespace lucerna {
@@ -12,10 +13,11 @@ namespace lucerna {
 inline std::uint32_t encode_direction(Vector3 w, int bits) {
     const float limit = static_cast<float>((1 << (bits - 1)) - 1);
     const float norm = std::abs(w.x) + std::abs(w.y) + std::abs(w.z);
-    Vector2 p = Vector2(w) / norm;
-    if (w.z < 0) {
-        p = Vector2(std::copysign(1 - std::abs(p.y), p.x), std::copysign(1 - std::abs(p.x), p.y));
-    }
+    const Vector2 upper = (1 / norm) * Vector2(w);
+    const Vector2 lower(std::copysign(1 - std::abs(upper.y), upper.x),
+                        std::copysign(1 - std::abs(upper.x), upper.y));
+    const bool below = is_negative(w.z);
+    const Vector2 p(select(below, lower.x, upper.x), select(below, lower.y, upper.y));
     const std::uint32_t mask = (std::uint32_t{1} << bits) - 1;
     const auto integer = [&](float x) {  // the nearest; std::lround is a slow call
         const float scaled = x * limit;

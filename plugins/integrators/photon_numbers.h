@@ -5,6 +5,7 @@
 #include "core/math/sequences.h"
 
 #include <array>
+#include <cstring>
 
 namespace lucerna {
 
@@ -17,16 +18,19 @@ public:
     using Point = std::array<std::uint64_t, 4>;
 
     static Point point(std::uint32_t index) {
-        Point x = parts[0][index & 15];
-        for (std::size_t part = 1; part < parts.size(); ++part) {
-            const Point& y = parts[part][(index >> (4 * part)) & 15];
-            for (std::size_t pair = 0; pair < x.size(); ++pair) x[pair] ^= y[pair];
+        TwoWords pairs[2]{};  // whole registers
+        for (std::size_t part = 0; part < parts.size(); ++part) {
+            TwoWords more[2];
+            static_assert(sizeof more == sizeof(Point));
+            std::memcpy(more, parts[part][(index >> (4 * part)) & 15].data(), sizeof more);
+            for (std::size_t i = 0; i < 2; ++i) pairs[i] ^= more[i];
         }
-        return x;
+        return {pairs[0][0], pairs[0][1], pairs[1][0], pairs[1][1]};
     }
 
 private:
     static constexpr std::size_t dimensions = 8;
+    using TwoWords = std::uint64_t __attribute__((vector_size(16)));
     using Parts = std::array<std::array<Point, 16>, 8>;
 
     /// A primitive polynomial over GF(2), its inner coefficients as bits, and the first numbers.

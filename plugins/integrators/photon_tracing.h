@@ -235,7 +235,7 @@ inline bool PhotonTracer::scatter(const Interaction& at, bool stored, float most
         wi = at.to_world(next->wi);
         const float wo_n = -glm::dot(flight.ray.d, at.n), wi_n = glm::dot(wi, at.n);
         if (!(wo_n * wo.z > 0 && wi_n * next->wi.z > 0)) return false;
-        power *= (wo.z * wi_n) / (wo_n * next->wi.z);
+        if (at.shading.n != at.n) power *= (wo.z * wi_n) / (wo_n * next->wi.z);
     }
     if (!is_finite(power)) {
         const Vector3d p = scene_.origin() + Vector3d(at.p);

@@ -77,7 +77,7 @@ inline CachePointSites sites_in_boxes(const Scene& scene, const CachePointOption
         const Bounds3 box = scene.shapes()[i * wanted / count / options.points_per_box]->bounds();
         const float x = rng.next_float(), y = rng.next_float(), z = rng.next_float();
         const Vector3 p = box.min + Vector3(x, y, z) * box.extent();
-        sites.add({{.p = p, .error = 0x1p-22f * max_component(glm::abs(p)), .sides = Sides::both}});
+        sites.add({{.p = p, .error = 0x1p-22f * max_component(absolute(p)), .sides = Sides::both}});
     }
     return sites;
 }

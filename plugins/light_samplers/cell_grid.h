@@ -90,7 +90,7 @@ private:
     /// Of the six axes the nearest to the normal, or 6 if light arrives from both sides.
     static std::uint64_t face(const Receiver& at) {
         if (at.sides == Sides::both) return 6;
-        const Vector3 a = glm::abs(at.n);
+        const Vector3 a = absolute(at.n);
         const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
         const bool negative = (at.n[axis] < 0) != (at.sides == Sides::back);
         return static_cast<std::uint64_t>(2 * axis + (negative ? 1 : 0));

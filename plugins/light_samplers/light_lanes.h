@@ -74,7 +74,7 @@ inline void LightLanes::set(std::size_t i, const LightCluster& c, float plane) {
     const Vector3 center = c.box.center();
     // Boxes grow by the rounding of their coordinates.
     const Vector3 half = glm::max(c.box.max - center, center - c.box.min) +
-                         Vector3(0x1p-21f * max_component(glm::abs(center)));
+                         Vector3(0x1p-21f * max_component(absolute(center)));
     cx[i] = center.x, cy[i] = center.y, cz[i] = center.z;
     ex[i] = half.x, ey[i] = half.y, ez[i] = half.z;
     ax[i] = c.axis.x, ay[i] = c.axis.y, az[i] = c.axis.z;
@@ -83,7 +83,7 @@ inline void LightLanes::set(std::size_t i, const LightCluster& c, float plane) {
     cos_e[i] = c.cos_emission;
     two_sided[i] = c.two_sided ? 1.0f : 0.0f;
     intensity[i] = c.power;
-    facing[i] = !is_flat(c) ? infinity : plane >= 0 ? plane : glm::dot(glm::abs(c.axis), half);
+    facing[i] = !is_flat(c) ? infinity : plane >= 0 ? plane : glm::dot(absolute(c.axis), half);
 }
 
 inline void LightLanes::copy(std::size_t i, const LightLanes& o, std::size_t k) {
@@ -157,7 +157,7 @@ template <typename Lights>
 [[gnu::always_inline]] inline void contributions(const Lights* lights, std::size_t blocks,
                                                  const LitPoint& at, float* __restrict result) {
     const LitPoint local = at;  // which `result` cannot overlap
-    const Vector3 abs_n = glm::abs(local.n);
+    const Vector3 abs_n = absolute(local.n);
     for (std::size_t b = 0; b < blocks; ++b) {
         for (std::size_t i = 0; i < LightLanes::width; ++i) {
             result[LightLanes::width * b + i] = contribution(lights[b], i, local, abs_n);

@@ -30,7 +30,7 @@ inline float plane_of(const Light& light, const LightCluster& cluster) {
     const Vector3 center = cluster.box.center();
     const SurfaceSample at = light.shape->sample_area(light.primitive, Vector2(0.5f));
     const float rounding =
-        4 * at.error + 1e-4f * cluster.box.radius() + 0x1p-21f * max_component(glm::abs(center));
+        4 * at.error + 1e-4f * cluster.box.radius() + 0x1p-21f * max_component(absolute(center));
     return glm::dot(center - at.p, cluster.axis) + rounding;
 }
 

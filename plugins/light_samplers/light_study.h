@@ -151,7 +151,7 @@ inline void LightStudy::bound_region(float margin) {
 /// How much larger the contribution of a light is if it is where the box of its cluster comes
 /// nearest to the region, and not in the middle.
 inline float LightStudy::nearest(const LightLanes& l, std::size_t i) const {
-    const Vector3 d = glm::abs(Vector3(l.cx[i], l.cy[i], l.cz[i]) - region_.p);
+    const Vector3 d = absolute(Vector3(l.cx[i], l.cy[i], l.cz[i]) - region_.p);
     const Vector3 e(l.ex[i], l.ey[i], l.ez[i]);
     const Vector3 inflated = e + region_.slack, gap = glm::max(d - e, Vector3(0));
     const float middle2 = std::max(glm::dot(d, d), 0.5f * glm::dot(inflated, inflated));

@@ -248,8 +248,8 @@ RunningStatistics scattered(const BSDF& bsdf, Vector3 wo, TransportMode mode, in
 }
 
 testing::AssertionResult close(Color a, Color b, float tolerance) {
-    const float difference = max_component(glm::abs(a - b));
-    const float size = max_component(glm::max(glm::abs(a), glm::abs(b)));
+    const float difference = max_component(absolute(a - b));
+    const float size = max_component(glm::max(absolute(a), absolute(b)));
     if (difference <= tolerance * size + 1e-7f) return testing::AssertionSuccess();
     return testing::AssertionFailure()
            << fmt::format("({}, {}, {}) is not ({}, {}, {})", a.x, a.y, a.z, b.x, b.y, b.z);

@@ -44,7 +44,7 @@ TEST(Rounding, B1_origins_clear_their_triangle) {
                 const float b2 = 1 - b.x - b.y;
                 const Vector3 p = b.x * v[0] + b.y * v[1] + b2 * v[2];
                 const Vector3 size =
-                    glm::abs(b.x * v[0]) + glm::abs(b.y * v[1]) + glm::abs(b2 * v[2]);
+                    absolute(b.x * v[0]) + absolute(b.y * v[1]) + absolute(b2 * v[2]);
                 const Vector3d exact_n = glm::normalize(
                     glm::cross(Vector3d(v[1]) - Vector3d(v[0]), Vector3d(v[2]) - Vector3d(v[0])));
                 const float error = gamma(7) * max_component(size);
