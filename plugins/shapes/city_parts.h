@@ -249,7 +249,7 @@ void visit_sites(const Plan& plan, const Visit& visit) {
         visit_lamps(block, [&](const Lamp& lamp) {
             const Vector3d end =
                 lamp.foot + lamp_reach * lamp.outwards + Vector3d(0, lamp_height - 0.05, 0);
-            const Area face = box_at(end, 0.5, 0.5, 0).area;
+            const Area face = box_at(end, 1.2, 1.2, 0).area;
             visit(Site{Part::lamps,
                        lamp.shade,
                        40,
