@@ -2,13 +2,16 @@
 /// Memory of large arrays that are read at random.
 #pragma once
 
-#include <sys/mman.h>
-
 #include <cstddef>
 #include <cstdlib>
 #include <new>
 
 namespace lucerna {
+
+inline constexpr std::size_t huge_page = std::size_t{1} << 21;
+
+/// `bytes`, a multiple of huge_page, for std::free. Throws std::bad_alloc.
+void* allocate_huge_pages(std::size_t bytes);
 
 /// Allocates large arrays in pages of 2 MiB, if the system has them. Hits read triangles at random:
 /// with small pages, most reads of a large mesh also miss the processor's table of addresses.
@@ -24,13 +27,8 @@ struct HugePages {
             return static_cast<T*>(
                 ::operator new (count * sizeof(T), std::align_val_t{alignof(T)}));
         }
-        const std::size_t bytes = (count * sizeof(T) + page - 1) / page * page;
-        void* const memory = std::aligned_alloc(page, bytes);
-        if (!memory) throw std::bad_alloc();
-#if defined(MADV_HUGEPAGE)
-        madvise(memory, bytes, MADV_HUGEPAGE);  // advice: that it can fail does not matter
-#endif
-        return static_cast<T*>(memory);
+        const std::size_t pages = (count * sizeof(T) + huge_page - 1) / huge_page;
+        return static_cast<T*>(allocate_huge_pages(pages * huge_page));
     }
     void deallocate(T* memory, std::size_t count) {
         if (is_large(count)) return std::free(memory);
@@ -40,8 +38,7 @@ struct HugePages {
     bool operator==(const HugePages&) const = default;
 
 private:
-    static constexpr std::size_t page = std::size_t{1} << 21;
-    static bool is_large(std::size_t count) { return count >= 2 * page / sizeof(T); }
+    static bool is_large(std::size_t count) { return count >= 2 * huge_page / sizeof(T); }
 };
 
 }  // namespace lucerna
