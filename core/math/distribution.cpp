@@ -103,15 +103,6 @@ DiscreteDistribution::DiscreteDistribution(std::span<const double> weights)
         bins_[i].threshold = weights[i] > 0 ? 1 : 0;
         bins_[i].alias = heaviest;
     }
-    for (std::uint32_t i = 0; i < bins_.size(); ++i) {
-        Bin& bin = bins_[i];
-        if (bin.threshold < 1) {
-            bin.threshold_bits = static_cast<std::uint64_t>(bin.threshold * 0x1p64);
-        } else {
-            bin.threshold_bits = std::numeric_limits<std::uint64_t>::max();
-            bin.alias = i;  // of the one number that is left out
-        }
-    }
 }
 
 DiscreteDistribution::Reused DiscreteDistribution::sample_reuse(double u) const {

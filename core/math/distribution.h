@@ -36,15 +36,6 @@ public:
         return rest < bins_[i].threshold ? i : bins_[i].alias;
     }
     Reused sample_reuse(double u) const;
-    /// From 64 random bits, in a third of the time: no number is rounded on the way.
-    std::uint32_t sample_bits(std::uint64_t bits) const {
-        if (empty()) return 0;
-        __extension__ using Wide = unsigned __int128;
-        const Wide product = Wide{bits} * bins_.size();
-        const Bin& bin = bins_[static_cast<std::size_t>(product >> 64)];
-        const auto rest = static_cast<std::uint64_t>(product);
-        return rest < bin.threshold_bits ? static_cast<std::uint32_t>(product >> 64) : bin.alias;
-    }
     /// Probability of `index`: weight / total.
     double pmf(std::uint32_t index) const { return bins_[index].pmf; }
 
@@ -57,7 +48,6 @@ private:
     struct Bin {
         double pmf = 0;
         double threshold = 0;
-        std::uint64_t threshold_bits = 0;  ///< threshold · 2⁶⁴
         std::uint32_t alias = 0;
     };
     static constexpr double largest_below_one = 0x1.fffffffffffffp-1;

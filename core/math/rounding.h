@@ -49,7 +49,7 @@ inline float moved_by(float x, float offset) {
 /// Moves p by `error` along the unit geometric normal `n`, to the side of w, then each moved
 /// component on by a float or two, so that the sum cannot round back. `error` is an isotropic
 /// bound of the distance between p and the true surface: for a triangle gamma(7) times the
-/// largest component of Σ|bᵢ vᵢ|. A bound per axis, projected on n, is zero for walls in a
+/// largest coordinate of its corners. A bound per axis, projected on n, is zero for walls in a
 /// coordinate plane and fails there.
 inline Vector3 offset_ray_origin(Vector3 p, float error, Vector3 n, Vector3 w) {
     const Vector3 offset = std::copysign(error, glm::dot(w, n)) * n;

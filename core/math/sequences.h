@@ -78,19 +78,13 @@ private:
 /// well as single numbers.
 using FourUints = std::uint32_t __attribute__((vector_size(16)));
 
-/// In place: wide registers cannot be handed over by value everywhere.
 template <typename Bits>
-constexpr void reverse_bits_of(Bits& x) {
+constexpr Bits reverse_bits(Bits x) {
     x = (x << 16) | (x >> 16);
     x = ((x & 0x00ff00ffu) << 8) | ((x >> 8) & 0x00ff00ffu);
     x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
     x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
-    x = ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
-}
-template <typename Bits>
-constexpr Bits reverse_bits(Bits x) {
-    reverse_bits_of(x);
-    return x;
+    return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
 }
 
 /// Two independent 32-bit seeds from one 64-bit seed that need not be mixed, and the upper half of
@@ -120,16 +114,12 @@ constexpr Bits multiply_by_pascal(Bits x) {
 /// Random permutation in which a bit depends on lower bits only (Laine and Karras 2011), with the
 /// constants of Vegdahl 2021, "Building a Better LK Hash". `seed` must be well mixed.
 template <typename Bits>
-constexpr void permute_bits_of(Bits& x, const Bits& seed) {
+constexpr Bits laine_karras_permutation(Bits x, Bits seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1;
     x ^= x * 0x05526c56u;
     x ^= x * 0x53a22864u;
-}
-template <typename Bits>
-constexpr Bits laine_karras_permutation(Bits x, const Bits& seed) {
-    permute_bits_of(x, seed);
     return x;
 }
 

@@ -56,11 +56,8 @@ FilterSampler::FilterSampler(const RFilter& filter) {
 }
 
 FilterSampler::Offset FilterSampler::sample_1d(float u) const {
-    std::size_t i = 0;
-    if (guide_.size() > 1) {  // else it is a box
-        i = guide_[static_cast<std::size_t>(static_cast<double>(u) *
-                                            static_cast<double>(guide_.size()))];
-    }
+    std::size_t i = guide_[static_cast<std::size_t>(static_cast<double>(u) *
+                                                    static_cast<double>(guide_.size()))];
     while (i + 1 < cells_.size() && cells_[i + 1].begin <= static_cast<double>(u)) ++i;
     const Cell& cell = cells_[i];
     const double inside = (static_cast<double>(u) - cell.begin) * cell.scale;

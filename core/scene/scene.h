@@ -46,7 +46,7 @@ public:
 
     /// The nearest surface along the ray. A ray that is not finite is dropped and counted.
     std::optional<Interaction> intersect(const Ray& ray) const;
-    /// The same for several rays, whose waits for memory overlap. Best for 16 to 64.
+    /// The same for several rays, whose waits for memory overlap. Best for 16 or more.
     void intersect(std::span<TracedRay* const> rays) const;
     /// True if something lies on the ray.
     bool occluded(const Ray& ray) const;

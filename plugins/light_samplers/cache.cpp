@@ -91,7 +91,7 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
     options_.far_lights = static_cast<std::size_t>(params.int32(
         "far_lights", 1024, {.min = 0, .max = 1 << 16}, "more, weighed once for the cell"));
     few_ = static_cast<std::size_t>(params.int32(
-        "remember_all", 8192, {.min = 0, .max = 1 << 16},
+        "remember_all", static_cast<int>(few_lights), {.min = 0, .max = 1 << 16},
         "cells remember every light if there are no more than these, instead of far_lights"));
     options_.coverage =
         params.real("coverage", 0.9, unit_interval,

@@ -23,9 +23,6 @@ namespace lucerna {
 
 enum class PointPlacement { surfaces, boxes };
 
-/// In scenes of no more lights than these the best are chosen from all of them.
-constexpr std::size_t few_lights = 8192;
-
 struct CachePointOptions {
     PointPlacement placement = PointPlacement::surfaces;
     std::size_t points_per_box = 4;

@@ -39,9 +39,4 @@ inline double fine_number(const Receiver& at, std::uint32_t draw, std::uint32_t 
     return std::min((draw + fine) / draws, 1 - 0x1p-53);
 }
 
-/// The same as 64 bits, for a single draw: 24 of `u`, then 40 of the hash.
-inline std::uint64_t fine_number_bits(const Receiver& at, float u) {
-    return (static_cast<std::uint64_t>(u * 0x1p24f) << 40) | (hash_of(at.p, 0) >> 24);
-}
-
 }  // namespace lucerna

@@ -17,6 +17,9 @@
 
 namespace lucerna {
 
+/// Of no more lights than these, places choose the best from all of them.
+constexpr std::size_t few_lights = 8192;
+
 /// The lights of a scene: a tree of those that are somewhere, a distribution of those at infinity.
 struct SceneLights {
     LightTree8 tree;
@@ -94,8 +97,7 @@ public:
     /// Irradiance that one sample of a light brings to a point, in units; zero if it is blocked.
     double arriving(std::uint32_t light, std::size_t point);
 
-    /// What the lights at infinity bring together, learnt from shadow rays: the root of the mean
-    /// square, to which ideal probabilities are proportional.
+    /// What the lights at infinity bring together, learnt from shadow rays.
     float infinite_contribution();
 
 private:
@@ -256,15 +258,15 @@ inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
 inline float LightStudy::infinite_contribution() {
     if (lights_.infinite.empty()) return 0;
     constexpr int samples = 64;
-    double sum2 = 0;
+    double sum = 0;
     for (int i = 0; i < samples; ++i) {
         const std::uint32_t chosen = lights_.infinite_power.sample(rng_.next_double());
         const std::size_t point = rng_.next_uint() % lit_.size();
         const double share = lights_.infinite_power.pmf(chosen);
-        if (share > 0) sum2 += arriving(lights_.infinite[chosen], point) / share;
+        if (share > 0) sum += arriving(lights_.infinite[chosen], point) / share;
     }
     // Where little of the sky is seen, one sample of it is noisier than one of a window.
-    return static_cast<float>(std::max(sum2 / samples, 0.1 * lights_.infinite_irradiance));
+    return static_cast<float>(std::max(sum / samples, 0.1 * lights_.infinite_irradiance));
 }
 
 /// One ray to a candidate, from a point drawn in proportion to the contribution there.

@@ -34,9 +34,7 @@ public:
 
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override {
-        const std::uint32_t light = draws_ == 1
-                                        ? distribution_.sample_bits(fine_number_bits(at, u))
-                                        : distribution_.sample(fine_number(at, draw, draws_, u));
+        const std::uint32_t light = distribution_.sample(fine_number(at, draw, draws_, u));
         return LightChoice{light, pmf(at, light)};
     }
 

@@ -6,8 +6,6 @@
 /// Hash-based Owen Scrambling"). Pairs are padded, not dimensions of one sequence: none is bad.
 #include "plugins/samplers/seeded.h"
 
-#include <cstring>
-
 namespace lucerna {
 
 namespace {
@@ -18,27 +16,15 @@ struct FourSeeds {
     FourUints order{}, first{}, second{};
 };
 
-/// Four times sobol_owen_2d, with both coordinates of all points side by side. Compiled twice: half
-/// of the work are products of integers, which SSE2 does not have.
+/// Compiled twice: half of the work are products of integers, which SSE2 does not have.
 [[gnu::target_clones("avx2", "default")]] void four_points(std::uint32_t index,
                                                            const FourSeeds& seeds,
                                                            Vector2 (&pairs)[Sampler::block_pairs]) {
-    using EightUints = std::uint32_t __attribute__((vector_size(32)));
-    using EightInts = std::int32_t __attribute__((vector_size(32)));
-    using EightFloats = float __attribute__((vector_size(32)));
-    const FourUints reversed = FourUints{} + reverse_bits(index);
-    const FourUints i = reverse_bits(laine_karras_permutation(reversed, seeds.order));
-    const FourUints second = multiply_by_pascal(i);
-    // x0, y0, x1, y1, …
-    EightUints bits = __builtin_shufflevector(i, second, 0, 4, 1, 5, 2, 6, 3, 7);
-    permute_bits_of(bits, EightUints{__builtin_shufflevector(seeds.first, seeds.second, 0, 4, 1, 5,
-                                                             2, 6, 3, 7)});
-    reverse_bits_of(bits);
-    // Of 24 bits; signed, which processors convert in one step.
-    const auto fractions =
-        __builtin_convertvector(reinterpret_cast<EightInts>(bits >> 8), EightFloats) * 0x1p-24f;
-    static_assert(sizeof fractions == sizeof pairs);
-    std::memcpy(pairs, &fractions, sizeof pairs);
+    const auto points =
+        sobol_owen_2d_bits(FourUints{} + index, seeds.order, seeds.first, seeds.second);
+    for (std::uint32_t i = 0; i < Sampler::block_pairs; ++i) {
+        pairs[i] = {uint_to_float(points.x[i]), uint_to_float(points.y[i])};
+    }
 }
 
 class SobolSampler final : public SeededSampler {
