@@ -151,13 +151,28 @@ struct CellPoints {
             ends.push_back(end);
         }
     }
-    /// Some of the points of a cell.
+    /// Some of the points of a cell: half of them as they come, half far from those, so that a
+    /// surface which few paths met is seen, too.
     std::vector<Receiver> choose(const std::vector<Receiver>& points, std::size_t cell) const {
         constexpr std::size_t most_points = 16;
         const std::size_t size = ends[cell] - starts[cell], used = std::min(size, most_points);
+        const auto member = [&](std::size_t i) -> const Receiver& {
+            return points[members[starts[cell] + i].point];
+        };
         std::vector<Receiver> chosen;
-        for (std::size_t k = 0; k < used; ++k) {
-            chosen.push_back(points[members[starts[cell] + k * size / used].point]);
+        std::vector<float> distance2(size, infinity);  // of each to the nearest one that is chosen
+        const auto take = [&](std::size_t taken) {
+            chosen.push_back(member(taken));
+            for (std::size_t i = 0; i < size; ++i) {
+                const Vector3 d = member(i).p - chosen.back().p;
+                distance2[i] = std::min(distance2[i], glm::dot(d, d));
+            }
+        };
+        const std::size_t even = (used + 1) / 2;
+        for (std::size_t k = 0; k < even; ++k) take(k * size / even);
+        while (chosen.size() < used) {
+            const auto farthest = std::max_element(distance2.begin(), distance2.end());
+            take(static_cast<std::size_t>(farthest - distance2.begin()));
         }
         return chosen;
     }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A partition of receivers into cells, found by hash: a cube whose size grows with the distance
-/// to the eye, and the side to which the surface faces.
+/// to the eye, the side to which the surface faces, and of the cube one slab of four to that side.
+///
+/// Slabs tell walls apart that face the same way at both sides of a lane, or of a house: what
+/// lights one of them is often behind the other.
 #pragma once
 
 #include "core/math/sequences.h"
@@ -13,6 +16,7 @@ namespace lucerna {
 class CellGrid {
 public:
     static constexpr std::uint32_t none = 0xffffffff;
+    static constexpr float slabs = 4;  ///< of a cube
 
     CellGrid() = default;
     /// `size` is the edge of a cell relative to its distance to the eye.
@@ -32,7 +36,8 @@ public:
     /// Name of the cell of a point `p` of a surface like that of the receiver. Never zero.
     std::uint64_t key(Vector3 p, const Receiver& at) const { return key(p, face(at)); }
 
-    /// The cells of the same size and side around a cell, as far as they exist.
+    /// The cells of the same size and side around a cell, as far as they exist: of the next slabs,
+    /// and of the cubes beside it.
     std::vector<std::uint32_t> neighbours(std::uint64_t key) const {
         std::vector<std::uint32_t> result;
         for (std::uint64_t i = 0; i < 27; ++i) {
@@ -73,15 +78,17 @@ private:
     int level(Vector3 p) const {
         const float wanted = size_ * glm::length(p - eye_) / unit_;
         const int exponent = wanted > 0 ? std::ilogb(wanted) : -17;
-        return std::clamp(-1 - exponent, 0, 17);
+        return std::clamp(-1 - exponent, 0, 16);  // 18 bits hold the slabs of half a scene
     }
 
     std::uint64_t key(Vector3 p, std::uint64_t face) const {
         const int l = level(p);
         const Vector3 x = (p - origin_) * (std::ldexp(1.0f, l) / unit_);
         std::uint64_t key = (1 + static_cast<std::uint64_t>(l)) << 3 | face;
-        for (int i = 0; i < 3; ++i) {
-            const float cell = std::clamp(std::floor(x[i]), -131071.0f, 131071.0f);
+        for (std::uint64_t i = 0; i < 3; ++i) {
+            const float pieces = face < 6 && face / 2 == i ? slabs : 1.0f;
+            const float place = std::floor(pieces * x[static_cast<int>(i)]);
+            const float cell = std::clamp(place, -131071.0f, 131071.0f);
             key = key << 18 | static_cast<std::uint64_t>(static_cast<int>(cell) + 131072);
         }
         return key;

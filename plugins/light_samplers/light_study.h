@@ -283,8 +283,8 @@ inline void LightStudy::trace(std::size_t i) {
         if (place < w) break;
         place -= w;
     }
+    if (point == lit_.size()) return;  // it may yet matter between the points
     candidates_[i].rays += 1;
-    if (point == lit_.size()) return;
     const double fraction =
         arriving(candidates_[i].light, point) / static_cast<double>(weights[point]);
     candidates_[i].arrived += static_cast<float>(std::min(fraction, 2.0));
