@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -126,9 +127,10 @@ struct PhotonPass {
 /// A photon that arrives at a surface.
 struct PhotonHit {
     const Interaction& at;
-    Vector3 w;    ///< unit, back to where it came from
-    Color power;  ///< [W], to be divided by PhotonPass::count
-    int depth;    ///< edges of its path
+    Vector3 w;             ///< unit, back to where it came from
+    Color power;           ///< [W], to be divided by PhotonPass::count
+    std::uint64_t photon;  ///< of the pass
+    int depth;             ///< edges of its path
     PhotonKind kind;
     bool stored;  ///< the surface is one that keeps photons
 };
@@ -146,40 +148,80 @@ public:
 
     bool dark() const { return emission_.dark(); }
 
-    /// Follows photon `j` and calls visit(PhotonHit) wherever it meets a surface, on which it may
-    /// or may not be stored, by one of the ways in `pass.kinds`. Throws SceneError if its power is
-    /// not finite.
+    /// Follows the photons begin … end − 1 and calls visit(PhotonHit) wherever one meets a surface,
+    /// on which it may or may not be stored, by one of the ways in `pass.kinds`. Throws SceneError
+    /// if a power is not finite.
     template <typename Visit>
-    void trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& energy, Visit&& visit) const;
+    void trace(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end, PhotonEnergy& energy,
+               Visit&& visit) const;
 
 private:
-    struct Flight {
-        Ray ray;
+    /// A photon under way.
+    struct Flight : TracedRay {
+        std::uint64_t photon = 0;
+        std::optional<PhotonNumbers> numbers;
         Color power{0};
         PhotonKind kind = PhotonKind::direct;
+        int depth = 0;  ///< edges so far
     };
     /// The most likely that a path goes on after so many edges. Without a limit, light between
     /// white walls would never end.
     static float most_survival(const PhotonPass& pass, int depth) {
         return depth < pass.rr_depth ? infinity : depth < 64 ? 1.0f : 0.95f;
     }
-    bool scatter(const Interaction& at, bool stored, float most_survival,
-                 const PhotonNumbers::Scattering& u, Flight& flight) const;
+    bool emit(const PhotonPass& pass, std::uint64_t j, Flight& flight) const;
+    template <typename Visit>
+    bool arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy, Visit& visit) const;
+    bool scatter(const Interaction& at, bool stored, float most_survival, Flight& flight) const;
 
     const Scene& scene_;
     PhotonEmission emission_;
 };
 
+/// Photons fly side by side: while one waits for memory, the others go on. As soon as one has ended
+/// the next one starts.
 template <typename Visit>
-void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& energy,
-                         Visit&& visit) const {
+void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end,
+                         PhotonEnergy& energy, Visit&& visit) const {
+    constexpr std::size_t most = 64;
+    std::array<Flight, most> flights;
+    std::vector<Flight*> idle, flying;
+    idle.reserve(most), flying.reserve(most);
+    for (Flight& flight : flights) idle.push_back(&flight);
+    std::vector<TracedRay*> rays;
+    rays.reserve(most);
+    while (begin < end || !flying.empty()) {
+        while (begin < end && !idle.empty()) {
+            Flight& flight = *idle.back();
+            if (!emit(pass, begin++, flight)) continue;
+            energy.emitted += static_cast<double>(luminance(flight.power));
+            idle.pop_back();
+            flying.push_back(&flight);
+        }
+        rays.assign(flying.begin(), flying.end());
+        scene_.intersect(rays);
+        std::erase_if(flying, [&](Flight* flight) {
+            if (arrive(pass, *flight, energy, visit)) return false;
+            idle.push_back(flight);
+            return true;
+        });
+    }
+}
+
+/// False if the light has nothing to send.
+inline bool PhotonTracer::emit(const PhotonPass& pass, std::uint64_t j, Flight& flight) const {
+    if (pass.max_depth < 1) return false;
     const auto choice = emission_.choose(j, pass.count, uint64_to_double(mix64(pass.key)));
     const Light& light = scene_.lights()[choice.light];
-    PhotonNumbers numbers(hash_combine(pass.key, choice.light), choice.index);
-    const auto emitted =
-        light.emitter->sample_emission(light, numbers.position(), numbers.direction());
-    if (!emitted) return;
-    Flight flight{.ray = emitted->ray, .power = emitted->power / static_cast<float>(choice.pmf)};
+    flight.numbers.emplace(hash_combine(pass.key, choice.light), choice.index);
+    const auto emitted = light.emitter->sample_emission(light, flight.numbers->position(),
+                                                        flight.numbers->direction());
+    if (!emitted) return false;
+    flight.photon = j;
+    flight.ray = emitted->ray;
+    flight.power = emitted->power / static_cast<float>(choice.pmf);
+    flight.kind = PhotonKind::direct;
+    flight.depth = 0;
     if (!is_finite(flight.power)) {
         const Vector3d p = scene_.origin() + Vector3d(emitted->ray.o);
         refuse_scene(
@@ -187,44 +229,47 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t j, PhotonEnergy& 
                         "photons of a power that is not finite",
                         choice.light, p.x, p.y, p.z));
     }
-    if (is_black(flight.power)) return;
-    energy.emitted += static_cast<double>(luminance(flight.power));
+    return !is_black(flight.power);
+}
 
-    for (int depth = 1; depth <= pass.max_depth; ++depth) {
-        const auto before = static_cast<double>(luminance(flight.power));
-        const std::optional<Interaction> at = scene_.intersect(flight.ray);
-        if (!at) {
-            energy.escaped += before;
-            return;
-        }
-        const bool stored = stores_photons(*at->shape->bsdf());
-        if (includes(pass.kinds, flight.kind)) {
-            visit(PhotonHit{.at = *at,
-                            .w = -flight.ray.d,
-                            .power = flight.power,
-                            .depth = depth,
-                            .kind = flight.kind,
-                            .stored = stored});
-        }
-        const bool goes_on =
-            scatter(*at, stored, most_survival(pass, depth), numbers.scattering(), flight);
-        const double after = goes_on ? static_cast<double>(luminance(flight.power)) : 0.0;
-        energy.absorbed += before - after;
-        // From the first diffuse surface on all is indirect: a pass for caustics ends there.
-        const bool seen =
-            flight.kind != PhotonKind::indirect || includes(pass.kinds, PhotonKind::indirect);
-        if (!goes_on) return;
-        if (depth == pass.max_depth || !seen) {
-            energy.cut += after;
-            return;
-        }
+/// What happens where the ray ends; false if the flight ends, too.
+template <typename Visit>
+bool PhotonTracer::arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy,
+                          Visit& visit) const {
+    const auto before = static_cast<double>(luminance(flight.power));
+    ++flight.depth;
+    if (!flight.hit) {
+        energy.escaped += before;
+        return false;
     }
+    const Interaction& at = *flight.hit;
+    const bool stored = stores_photons(*at.shape->bsdf());
+    if (includes(pass.kinds, flight.kind)) {
+        visit(PhotonHit{.at = at,
+                        .w = -flight.ray.d,
+                        .power = flight.power,
+                        .photon = flight.photon,
+                        .depth = flight.depth,
+                        .kind = flight.kind,
+                        .stored = stored});
+    }
+    const bool goes_on = scatter(at, stored, most_survival(pass, flight.depth), flight);
+    const double after = goes_on ? static_cast<double>(luminance(flight.power)) : 0.0;
+    energy.absorbed += before - after;
+    if (!goes_on) return false;
+    // From the first diffuse surface on all is indirect: a pass for caustics ends there.
+    const bool seen =
+        flight.kind != PhotonKind::indirect || includes(pass.kinds, PhotonKind::indirect);
+    if (seen && flight.depth < pass.max_depth) return true;
+    energy.cut += after;
+    return false;
 }
 
 /// Lets the surface turn the flight, or ends it: false. Flux is scattered by the adjoint BSDF,
 /// which shading normals make differ from f by the ratio of the cosines (Veach 1997, 5.3.2).
 inline bool PhotonTracer::scatter(const Interaction& at, bool stored, float most_survival,
-                                  const PhotonNumbers::Scattering& u, Flight& flight) const {
+                                  Flight& flight) const {
+    const PhotonNumbers::Scattering u = flight.numbers->scattering();
     const Vector3 wo = at.to_local(-flight.ray.d);
     const std::optional<BSDFSample> next =
         at.shape->bsdf()->sample(at, wo, u.lobe, u.direction, TransportMode::importance);
@@ -275,14 +320,12 @@ struct StoredPhotons {
 /// Traces photons begin … end − 1 of a pass and stores those that come to matte surfaces.
 inline void store_photons(const PhotonTracer& tracer, const PhotonPass& pass, std::uint64_t begin,
                           std::uint64_t end, StoredPhotons& result) {
-    for (std::uint64_t j = begin; j < end; ++j) {
-        tracer.trace(pass, j, result.energy, [&](const PhotonHit& hit) {
-            if (!hit.stored) return;
-            const float side = glm::dot(hit.w, hit.at.n) < 0 ? -1.0f : 1.0f;
-            result.photons.emplace_back(hit.at.p, hit.power, hit.w, side * hit.at.n, hit.depth);
-            result.energy.stored += static_cast<double>(luminance(hit.power));
-        });
-    }
+    tracer.trace(pass, begin, end, result.energy, [&](const PhotonHit& hit) {
+        if (!hit.stored) return;
+        const float side = std::copysign(1.0f, glm::dot(hit.w, hit.at.n));
+        result.photons.emplace_back(hit.at.p, hit.power, hit.w, side * hit.at.n, hit.depth);
+        result.energy.stored += static_cast<double>(luminance(hit.power));
+    });
 }
 
 /// Traces a pass in parallel and appends its photons to `result`. Ends early if `interrupted`.

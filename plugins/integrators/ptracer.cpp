@@ -158,13 +158,11 @@ void ParticleTracer::trace(const RenderJob& job, const PhotonTracer& tracer, std
         SplatImage::Bands& bands = chunks[static_cast<std::size_t>(c)];
         PhotonEnergy energy;
         const std::uint64_t begin = static_cast<std::uint64_t>(c) * chunk_size;
-        for (std::uint64_t j = begin; j < std::min(begin + chunk_size, pass.count); ++j) {
-            tracer.trace(pass, j, energy, [&](const PhotonHit& hit) {
-                const std::uint64_t lens =
-                    hash64({pass.key, static_cast<std::uint64_t>(hit.depth)});
-                connect(job.scene(), hit, sobol_owen_2d(j, lens), image, bands);
-            });
-        }
+        const std::uint64_t end = std::min(begin + chunk_size, pass.count);
+        tracer.trace(pass, begin, end, energy, [&](const PhotonHit& hit) {
+            const std::uint64_t lens = hash64({pass.key, static_cast<std::uint64_t>(hit.depth)});
+            connect(job.scene(), hit, sobol_owen_2d(hit.photon, lens), image, bands);
+        });
     });
     image.draw(chunks, 1 / static_cast<float>(pass.count), job.workers());
 }
