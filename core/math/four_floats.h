@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Four floats that vector registers work on together, three of them a vector: for the few places
-/// that every ray passes. The fourth lane is never looked at.
+/// that every ray passes. Of vectors the fourth lane is never looked at.
 #pragma once
 
 #include "core/math/vector.h"
@@ -37,5 +37,12 @@ inline FourFloats absolute(FourFloats v) {
 }
 
 inline FourFloats max(FourFloats a, FourFloats b) { return a > b ? a : b; }
+inline FourFloats min(FourFloats a, FourFloats b) { return a < b ? a : b; }
+
+/// The magnitudes of `v` with the signs of `sign`.
+inline FourFloats copysign(FourFloats v, FourFloats sign) {
+    return reinterpret_cast<FourFloats>((reinterpret_cast<FourInts>(v) & 0x7fffffff) |
+                                        (reinterpret_cast<FourInts>(sign) & ~0x7fffffff));
+}
 
 }  // namespace lucerna

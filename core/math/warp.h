@@ -11,10 +11,26 @@
 
 namespace lucerna {
 
-/// Point (cos φ, sin φ) of the unit circle for φ = 2π u.
+/// sin φ and cos φ for |φ| ≤ π/4: the series to x⁹, exact to 3·10⁻⁸, in half the time of the
+/// library's.
+struct SineCosine {
+    float sine, cosine;
+
+    explicit SineCosine(float phi) {
+        const float x2 = phi * phi;
+        cosine = 1 - x2 * (1 / 2.0f - x2 * (1 / 24.0f - x2 * (1 / 720.0f - x2 / 40320.0f)));
+        sine =
+            phi * (1 - x2 * (1 / 6.0f - x2 * (1 / 120.0f - x2 * (1 / 5040.0f - x2 / 362880.0f))));
+    }
+};
+
+/// Point (cos φ, sin φ) of the unit circle for φ = 2π u, u in [0, 1].
 inline Vector2 unit_circle(float u) {
-    const float phi = 2 * pi * u;
-    return {std::cos(phi), std::sin(phi)};
+    const auto quarter = static_cast<int>(4 * u + 0.5f);  // the axis that is nearest
+    const SineCosine at(2 * pi * (u - 0.25f * static_cast<float>(quarter)));
+    const bool along_y = (quarter & 1) != 0;
+    const float x = select(along_y, at.sine, at.cosine), y = select(along_y, at.cosine, at.sine);
+    return {select(((quarter + 1) & 2) != 0, -x, x), select((quarter & 2) != 0, -y, y)};
 }
 
 /// A disk point together with √(1 − r²), which the disk point alone gives only roughly.
@@ -32,13 +48,9 @@ inline DiskPoint square_to_disk_point(Vector2 u) {
     const float r = select(along_y, b, a);
     const float across = select(along_y, a, b);
     const float phi = (pi / 4) * (across / r);  // from the axis along which r lies
-    // On |φ| ≤ π/4 the series to x⁹ are exact to 3·10⁻⁸, in half the time of the library's.
-    const float x2 = phi * phi;
-    const float cosine = 1 - x2 * (1 / 2.0f - x2 * (1 / 24.0f - x2 * (1 / 720.0f - x2 / 40320.0f)));
-    const float sine =
-        phi * (1 - x2 * (1 / 6.0f - x2 * (1 / 120.0f - x2 * (1 / 5040.0f - x2 / 362880.0f))));
+    const SineCosine at(phi);
     const float rim = std::abs(r);
-    return {r * Vector2(select(along_y, sine, cosine), select(along_y, cosine, sine)),
+    return {r * Vector2(select(along_y, at.sine, at.cosine), select(along_y, at.cosine, at.sine)),
             std::sqrt((1 - rim) * (1 + rim))};
 }
 

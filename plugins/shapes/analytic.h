@@ -5,6 +5,7 @@
 #include "core/interfaces/shape.h"
 #include "core/math/angle.h"
 #include "core/math/rounding.h"
+#include "core/math/select.h"
 
 #include <fmt/format.h>
 
@@ -82,10 +83,12 @@ std::optional<Roots> meet_round(Vector o, Vector d, double radius) {
     return Roots{std::min(smaller, larger), std::max(smaller, larger)};
 }
 
-/// The angle of `p` as a fraction of a turn, in [0, 1].
-inline float turn_of(Vector2 p) {
-    const float turn = angle_of(p.x, p.y) * (0.5f * inv_pi);
-    return turn < 0 ? turn + 1 : turn;
+/// An angle in [−π, π] as a fraction of a turn, in [0, 1].
+inline float turn_of(float angle) {
+    const float turn = angle * (0.5f * inv_pi);
+    return turn + select(turn < 0, 1, 0);
 }
+/// The same for the angle of `p`.
+inline float turn_of(Vector2 p) { return turn_of(angle_of(p.x, p.y)); }
 
 }  // namespace lucerna

@@ -110,11 +110,13 @@ private:
     SurfaceSample point_with_normal(Vector3d n) const {
         n *= 1.5 - 0.5 * glm::dot(n, n);  // one step of Newton's to 1 / |n|: from 1e-6 to 1e-12
         const Vector3 local(n * world_from_local_);
-        const float above_south = angle_of(-local.z, std::sqrt(sqr(local.x) + sqr(local.y)));
+        const float rho = std::sqrt(sqr(local.x) + sqr(local.y));
+        const FourFloats angles =
+            angles_of(FourFloats{local.x, -local.z}, FourFloats{local.y, rho});
         const Vector3 p(Vector3d(center_) + static_cast<double>(radius_) * n);
         return {.p = p,
                 .n = Vector3(flip_normals() ? -n : n),
-                .uv = {turn_of(local), above_south * inv_pi},
+                .uv = {turn_of(angles[0]), angles[1] * inv_pi},
                 .error = rounding_error(p, max_component(absolute(center_)) + radius_),
                 .pdf = 0};
     }
