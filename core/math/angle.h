@@ -7,8 +7,8 @@
 namespace lucerna {
 
 /// The angles of four directions (x, y) from the x axis in [−π, π], as std::atan2(y, x) gives them,
-/// to 4·10⁻⁷; as if x and y were zero if both are denormal. By an approximation of atan on [0, 1] to
-/// 2·10⁻⁸ (Abramowitz and Stegun 1964, "Handbook of Mathematical Functions", 4.4.49).
+/// to 4·10⁻⁷; as if x and y were zero if both are denormal. By an approximation of atan on [0, 1]
+/// to 2·10⁻⁸ (Abramowitz and Stegun 1964, "Handbook of Mathematical Functions", 4.4.49).
 inline FourFloats angles_of(FourFloats x, FourFloats y) {
     const FourFloats along = absolute(x), across = absolute(y);
     const FourFloats least = FourFloats{} + std::numeric_limits<float>::min();
