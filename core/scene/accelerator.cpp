@@ -49,6 +49,7 @@ void intersect_callback(const RTCIntersectFunctionNArguments* arguments) {
     const auto* entry = static_cast<const GeometryEntry*>(arguments->geometryUserPtr);
     auto& ray = *reinterpret_cast<RTCRayHit*>(arguments->rayhit);
     const std::optional<Hit> hit = intersect_analytic(*entry, ray.ray);
+    arguments->valid[0] = hit ? -1 : 0;  // Embree 4 asks whether there was a hit
     if (!hit) return;
     ray.ray.tfar = hit->t;
     ray.hit.u = hit->uv.x;
@@ -62,7 +63,9 @@ void occluded_callback(const RTCOccludedFunctionNArguments* arguments) {
     if (!arguments->valid[0]) return;
     const auto* entry = static_cast<const GeometryEntry*>(arguments->geometryUserPtr);
     auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
-    if (intersect_analytic(*entry, ray)) ray.tfar = -infinity;
+    const bool hit = intersect_analytic(*entry, ray).has_value();
+    arguments->valid[0] = hit ? -1 : 0;
+    if (hit) ray.tfar = -infinity;
 }
 
 /// The context of a shadow ray: the two primitives that do not block it.
