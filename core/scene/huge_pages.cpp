@@ -3,6 +3,8 @@
 
 #include <sys/mman.h>
 
+#include <cstdlib>
+
 namespace lucerna {
 
 void* allocate_huge_pages(std::size_t bytes) {
@@ -13,5 +15,7 @@ void* allocate_huge_pages(std::size_t bytes) {
 #endif
     return memory;
 }
+
+void free_huge_pages(void* memory) { std::free(memory); }
 
 }  // namespace lucerna

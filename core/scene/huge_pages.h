@@ -3,15 +3,15 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
 #include <new>
 
 namespace lucerna {
 
 inline constexpr std::size_t huge_page = std::size_t{1} << 21;
 
-/// `bytes`, a multiple of huge_page, for std::free. Throws std::bad_alloc.
+/// `bytes`, a multiple of huge_page. Throws std::bad_alloc.
 void* allocate_huge_pages(std::size_t bytes);
+void free_huge_pages(void* memory);
 
 /// Allocates large arrays in pages of 2 MiB, if the system has them. Hits read triangles at random:
 /// with small pages, most reads of a large mesh also miss the processor's table of addresses.
@@ -31,7 +31,7 @@ struct HugePages {
         return static_cast<T*>(allocate_huge_pages(pages * huge_page));
     }
     void deallocate(T* memory, std::size_t count) {
-        if (is_large(count)) return std::free(memory);
+        if (is_large(count)) return free_huge_pages(memory);
         ::operator delete (memory, std::align_val_t{alignof(T)});
     }
 

@@ -102,18 +102,20 @@ public:
             "written.");
         if (const std::optional<int> code = arguments.parse(words)) return *code;
         ignore_write_signals();
-        if (output.empty()) output = fs::path(input).stem().string() + ".xml";
+        const fs::path model_file(input);
+        if (output.empty()) output = model_file.stem().string() + ".xml";
         const fs::path scene_file(output);
         if (scene_file.extension() != ".xml") {
             fmt::print(stderr, "lucerna import: the scene {} must end in .xml\n", output);
             return exit_code::usage;
         }
         Assimp::Importer importer;
-        const aiScene& scene = read_model(importer, input);
+        const aiScene& scene = read_model(importer, model_file);
         const fs::path folder = fs::absolute(scene_file).parent_path();
-        Model model(scene, scene_file.stem().string() + "_files", fs::absolute(input).parent_path(),
-                    folder, lower_extension(input).starts_with(".gl"));
-        model.convert(fs::path(input).filename().string());
+        Model model(scene, scene_file.stem().string() + "_files",
+                    fs::absolute(model_file).parent_path(), folder,
+                    lower_extension(model_file).starts_with(".gl"));
+        model.convert(model_file.filename().string());
         const std::string blocked = force ? "" : in_the_way(scene_file, model.files());
         if (!blocked.empty()) {
             throw FileError(fmt::format("{} is there already; --force replaces it", blocked));
