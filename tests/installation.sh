@@ -67,7 +67,8 @@ done
 build_project() {
     local source=$1 build=$2
     shift 2
-    cmake -S "$source" -B "$build" -DCMAKE_PREFIX_PATH="$prefix" "$@" > "$scratch/log" 2>&1 &&
+    cmake -G Ninja -S "$source" -B "$build" -DCMAKE_PREFIX_PATH="$prefix" "$@" \
+        > "$scratch/log" 2>&1 &&
         cmake --build "$build" >> "$scratch/log" 2>&1 || {
         cat "$scratch/log"
         fail "$source does not build"
