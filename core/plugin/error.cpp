@@ -98,8 +98,11 @@ void Diagnostics::warning(Location where, std::string message) {
 }
 
 void Diagnostics::plugin_error(Location where, std::string message) {
-    add(Severity::error, where, std::move(message));
     plugin_failed_ = true;
+    const bool known = std::any_of(all_.begin(), all_.end(),
+                                   [&](const Diagnostic& d) { return d.message == message; });
+    if (known) return;
+    add(Severity::error, where, std::move(message));
 }
 
 namespace {

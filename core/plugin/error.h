@@ -68,7 +68,8 @@ class Diagnostics {
 public:
     void error(Location where, std::string message);
     void warning(Location where, std::string message);
-    /// An error that is no fault of the scene: a library that cannot be used.
+    /// An error that is no fault of the scene: a library that cannot be used. Said once, however
+    /// often the scene names it.
     void plugin_error(Location where, std::string message);
 
     const std::vector<Diagnostic>& all() const { return all_; }

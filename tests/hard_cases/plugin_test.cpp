@@ -101,6 +101,25 @@ TEST(BadLibraries, M3_MissingSymbol) {
     EXPECT_THAT(complaint_about("no_plugin"), HasSubstr("exports no plugin"));
 }
 
+/// A folder of stale plugins would else fill the screen with a complaint for each use.
+TEST(BadLibraries, M4_IsSaidOnceHoweverOftenASceneNamesIt) {
+    const FolderOfOne broken("");
+    Registry registry({broken.path()});
+    Diagnostics diagnostics;
+    const std::string sphere = "<shape type='sphere'><bsdf type='it'/></shape>";
+    const Description description = read_scene_text(
+        "<scene version='3.0.0'>" + sphere + sphere + "</scene>", "a.xml", {}, diagnostics);
+    try {
+        build_scene(description, registry, diagnostics);
+        FAIL() << "it was built";
+    } catch (const PluginError& error) {
+        const std::string text = error.what();
+        const std::size_t first = text.find("it is not an ELF file");
+        ASSERT_NE(first, std::string::npos) << text;
+        EXPECT_EQ(text.find("it is not an ELF file", first + 1), std::string::npos) << text;
+    }
+}
+
 /// The text that stands for the contracts differs in one letter, at several places of it.
 TEST(BadLibraries, M4_BuiltForAnotherVersion) {
     const std::string good = library("bsdf", "diffuse");
