@@ -28,4 +28,14 @@ TEST(Angle, is_right_on_the_axes_and_diagonals) {
     }
 }
 
+/// Each lane has its own quadrant.
+TEST(Angle, four_at_once_are_the_same) {
+    const FourFloats x{1, -2, -0.5f, 0.25f}, y{3, 0.125f, -7, -0.5f};
+    const FourFloats angles = angles_of(x, y);
+    for (int i = 0; i < 4; ++i) {
+        EXPECT_EQ(angles[i], angle_of(x[i], y[i]));
+        EXPECT_NEAR(angles[i], std::atan2(y[i], x[i]), 4e-7);
+    }
+}
+
 }  // namespace lucerna

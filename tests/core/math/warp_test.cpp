@@ -53,6 +53,18 @@ TEST(Warp, disk_and_triangle_are_uniform) {
     EXPECT_TRUE(fills_evenly(square_to_uniform_triangle, fan, 160));
 }
 
+/// The angle, the series and the result are each rounded: 3·10⁻⁸ or a little more.
+TEST(Warp, points_of_the_unit_circle) {
+    constexpr int steps = 1 << 20;
+    for (int i = 0; i <= steps; ++i) {
+        const double u = static_cast<double>(i) / steps;
+        const double phi = 2 * std::numbers::pi * u;
+        const Vector2 p = unit_circle(static_cast<float>(u));
+        ASSERT_NEAR(p.x, std::cos(phi), 1.2e-7) << u;
+        ASSERT_NEAR(p.y, std::sin(phi), 1.2e-7) << u;
+    }
+}
+
 TEST(Warp, tent_follows_its_density) {
     const auto by_probability = [](Vector2 u) {
         const float x = interval_to_tent(u.x);
