@@ -10,6 +10,7 @@
 #include "core/interfaces/shape.h"
 #include "core/math/rounding.h"
 #include "core/math/solid_angle.h"
+#include "core/scene/huge_pages.h"
 
 #include <vector>
 
@@ -75,7 +76,7 @@ protected:
 
     /// Takes parallelograms of the world; `flipped`: they face where edge_v × edge_u points.
     void assign(std::vector<Parallelogram> list, bool flipped) {
-        list_ = std::move(list);
+        list_.assign(list.begin(), list.end());
         facts_.reserve(list_.size());
         for (const Parallelogram& it : list_) {
             facts_.emplace_back(it, flipped ? -1.0f : 1.0f);
@@ -134,8 +135,8 @@ private:
         return seen;
     }
 
-    std::vector<Parallelogram> list_;
-    std::vector<Facts> facts_;  ///< of each
+    std::vector<Parallelogram, HugePages<Parallelogram>> list_;
+    std::vector<Facts, HugePages<Facts>> facts_;  ///< of each
     Bounds3 bounds_;
 };
 
