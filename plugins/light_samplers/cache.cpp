@@ -52,7 +52,7 @@ public:
     std::size_t bytes() const override {
         std::size_t sum = lights_.tree.bytes() + lights_.every.bytes() + grid_.bytes();
         for (const LightCell& cell : cells_) {
-            sum += sizeof(cell) + cell.near.bytes() + cell.far.bytes();
+            sum += cell.bytes();
         }
         return sum;
     }
@@ -88,21 +88,25 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
     };
     draws_ = count("light_samples", 1, 1024, "lights chosen at each point");
     options_.lights = count("lights", 64, static_cast<int>(most_lights), "lights kept in a cell");
-    options_.far_lights = static_cast<std::size_t>(params.int32(
-        "far_lights", 1024, {.min = 0, .max = 1 << 16}, "more, weighed once for the cell"));
     few_ = static_cast<std::size_t>(params.int32(
         "remember_all", static_cast<int>(few_lights), {.min = 0, .max = 1 << 16},
-        "cells remember every light if there are no more than these, instead of far_lights"));
+        "cells remember every light if there are no more than these, instead of clusters"));
     options_.coverage =
         params.real("coverage", 0.9, unit_interval,
                     "of what the candidates bring, by the lights that are weighed at points");
-    options_.rays = count("shadow_rays", 512, 1 << 16, "shadow rays that a cell learns from");
-    options_.candidates = count("candidates", 1024, 1 << 16, "lights that a cell considers");
+    options_.candidates =
+        count("candidates", 512, 1 << 16,
+              "lights of which a cell learns the visibility, if it remembers all lights");
+    options_.clusters = count("clusters", 1536, 1 << 16,
+                              "of lights, and lights, that a cell remembers if it does not");
+    options_.rays_per_candidate =
+        params.real("rays_per_candidate", 1, {.min = 0, .max = 1024},
+                    "shadow rays that a cell learns from, for each of those");
     options_.lent_rays = params.real("lent_rays", 4, non_negative,
                                      "shadow rays that what the cells around have learnt of a "
                                      "light counts for");
-    options_.least_tail = params.real("least_tail", 0.02, {.min = 1e-3, .max = 0.9},
-                                      "share of draws that is left to the light tree at least");
+    options_.tail = params.real("tail_share", 0.02, {.min = 1e-3, .max = 0.9},
+                                "share of draws for the lights that a cell does not remember");
     pilots_.count = count("paths", 1 << 17, 1 << 24,
                           "most paths from the camera that find cells; one for two pixels");
     pilots_.bounces =
@@ -202,23 +206,23 @@ void CacheLightSampler::make_cells(const Scene& scene) {
             task(i, study);
         });
     };
-    std::vector<std::vector<Candidate>> known(cells_.size());
+    std::vector<Candidates> known(cells_.size());
     std::vector<FarLights> others(cells_.size());
     const bool knows_all = lights_.every.blocks() > 0;
-    // A candidate without a ray is no better known than the other lights.
-    const std::size_t count =
-        knows_all ? std::min(options_.candidates, options_.rays) : options_.candidates;
+    const std::size_t count = knows_all ? options_.candidates : options_.clusters;
+    const auto rays =
+        static_cast<std::size_t>(static_cast<float>(count) * options_.rays_per_candidate);
     for_each_cell([&](std::size_t i, LightStudy& study) {
-        known[i] = study.candidates(count, options_.rays);
-        if (knows_all) others[i] = weights_of_all(study, lights_, options_.floor);
-        std::sort(known[i].begin(), known[i].end(),
-                  [](const Candidate& a, const Candidate& b) { return a.light < b.light; });
+        known[i] = study.cut(count, rays);
+        if (knows_all) others[i] = unoccluded_weights(study, lights_);
+        std::sort(known[i].all.begin(), known[i].all.end(),
+                  [](const Candidate& a, const Candidate& b) { return a.precedes(b); });
     });
     for_each_cell([&](std::size_t i, LightStudy& study) {
-        std::vector<const std::vector<Candidate>*> around;
+        std::vector<const Candidates*> around;
         for (const std::uint32_t k : grid_.neighbours(cells.keys[i])) around.push_back(&known[k]);
-        std::vector<Candidate> mine = known[i];
-        if (options_.lent_rays > 0) borrow(mine, around, options_.lent_rays);
+        Candidates mine = known[i];
+        if (options_.lent_rays > 0) mine.borrow(around, options_.lent_rays);
         cells_[i] = CellBuilder(study, lights_, options_).build(std::move(mine), others[i]);
     });
 }
@@ -245,7 +249,8 @@ const Shares& CacheLightSampler::shares_at(const Receiver& at) const {
     const LightCell* const cell = find_cell(at);
     if (!cell) return shares;
     cell->near.weigh(LitPoint(at), shares.weights);
-    const float total = cell->infinite + cell->far.total() + cell->near.total(shares.weights);
+    const float total = cell->infinite + cell->far.total() + cell->clusters.total() +
+                        cell->near.total(shares.weights);
     if (!(total > 0)) return shares;
     shares.cell = cell;
     shares.tree = cell->tail;
@@ -260,12 +265,19 @@ std::optional<LightChoice> CacheLightSampler::sample_lists(const Shares& shares,
     const LightCell& cell = *shares.cell;
     const auto scale = static_cast<float>(draws_);
     const auto far = static_cast<double>(cell.far.total());
-    if (place >= far) {
-        const std::size_t lane = cell.near.draw(shares.weights, place - far);
+    const auto clusters = static_cast<double>(cell.clusters.total());
+    if (place >= far + clusters) {
+        const std::size_t lane = cell.near.draw(shares.weights, place - (far + clusters));
         if (lane < cell.near.lights().size()) {
             return LightChoice{cell.near.lights()[lane],
                                scale * (shares.list * shares.weights[lane])};
         }
+    }
+    if (place >= far && cell.clusters.size() > 0) {
+        const FarLights::Choice cluster = cell.clusters.draw(place - far);
+        const auto light = lights_.tree.sample(LitPoint(shares.at), cluster.rest, cluster.light);
+        if (!light) return {};
+        return LightChoice{light->light, scale * (shares.list * cluster.weight * light->pmf)};
     }
     if (cell.far.size() == 0) return {};
     const FarLights::Choice far_light = cell.far.draw(place);
@@ -290,7 +302,7 @@ std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::ui
     }
     const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
     const auto choice = lights_.tree.sample(LitPoint(at), rest);
-    if (!choice || (shares.cell && shares.cell->holds(choice->light))) return {};
+    if (!choice || (shares.cell && shares.cell->holds(choice->light, lights_.tree))) return {};
     return LightChoice{choice->light, scale * (shares.tree * choice->pmf)};
 }
 
@@ -303,13 +315,17 @@ float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
         const auto i = static_cast<std::uint32_t>(found - lights_.infinite.begin());
         return scale * (shares.infinite * infinite_pmf(i));
     }
-    if (shares.cell) {
+    if (shares.cell && lights_.tree.holds(light)) {
         const std::size_t lane = shares.cell->near.find(light);
         if (lane < shares.cell->near.lights().size()) {
             return scale * (shares.list * shares.weights[lane]);
         }
         const float far = shares.cell->far.weight_of(light);
         if (far > 0) return scale * (shares.list * far);
+        if (const auto cluster = shares.cell->cluster_of(light, lights_.tree)) {
+            const float pmf = lights_.tree.pmf(LitPoint(at), light, cluster->light);
+            return scale * (shares.list * cluster->weight * pmf);
+        }
     }
     return shares.tree > 0 ? scale * (shares.tree * lights_.tree.pmf(LitPoint(at), light)) : 0.0f;
 }

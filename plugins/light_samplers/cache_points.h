@@ -119,7 +119,7 @@ inline CachePoint make_cache_point(const Scene& scene, const SceneLights& lights
                                    std::span<const Receiver> receivers, float reach,
                                    const CachePointOptions& options, std::uint64_t seed) {
     LightStudy study(scene, lights, receivers, reach, true, seed);
-    std::vector<Candidate> candidates = study.candidates(options.candidates, options.rays);
+    std::vector<Candidate> candidates = study.candidates(options.candidates, options.rays).all;
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.value() > b.value(); });
     CachePoint point;
@@ -162,7 +162,7 @@ inline CachePoint make_cache_point(const Scene& scene, const SceneLights& lights
     }
     point.infinite = study.infinite_contribution();
     const KeptLights kept(point.near, point.lists[CachePoint::all_around]);
-    point.tail = kept.are_all(lights.finite)
+    point.tail = kept.count() == lights.finite
                      ? options.least_tail
                      : std::max(kept.tail_share(study, lights), options.least_tail);
     // Lists that are worth nothing are forgotten, unless there is nothing else.

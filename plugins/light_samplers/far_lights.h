@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lights that are weighed once for all points around a place.
+/// Lights, or clusters of lights, that are weighed once for all points around a place.
 ///
 /// Weights are kept as bytes: floats of five bits of exponent, relative to the largest, and three
 /// of mantissa. Rounded probabilities are as good as exact ones as long as draws and densities use
@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@ public:
     struct Choice {
         std::uint32_t light;
         float weight;
+        double rest;  ///< how far into the light the place is, in [0, 1)
     };
 
     /// Keeps those of positive weight.
@@ -39,6 +41,12 @@ public:
     }
     /// The light at a place in [0, total); there must be one.
     Choice draw(double place) const;
+    /// Of those that are kept, in a list by numbers, the last one that is not after `light`.
+    std::optional<Choice> last_up_to(std::uint32_t light) const {
+        const auto it = std::upper_bound(lights_.begin(), lights_.end(), light);
+        if (it == lights_.begin()) return {};
+        return Choice{it[-1], weight(static_cast<std::size_t>(it - lights_.begin() - 1)), 0};
+    }
 
     std::size_t bytes() const {
         return lights_.capacity() * sizeof(std::uint32_t) + codes_.capacity() +
@@ -47,6 +55,7 @@ public:
 
 private:
     static constexpr std::size_t block = 16;
+    static constexpr double below_one = 1 - 0x1p-53;
     static constexpr int mantissa_shift = 20;  ///< leaves three bits
 
     float weight(std::size_t i) const {
@@ -109,15 +118,17 @@ inline FarLights::Choice FarLights::draw(double place) const {
     const auto found =
         it != until_.end() ? it : std::lower_bound(until_.begin(), until_.end(), until_.back());
     const auto b = static_cast<std::size_t>(found - until_.begin());
-    double end = b > 0 ? until_[b - 1] : 0.0;
-    Choice choice{0, 0};
+    double end = b > 0 ? until_[b - 1] : 0.0, start = end;
+    Choice choice{0, 0, 0};
     for (std::size_t i = block * b; i < std::min(block * (b + 1), codes_.size()); ++i) {
         const float w = weight(i);
         if (!(w > 0)) continue;
-        choice = {lights_.empty() ? static_cast<std::uint32_t>(i) : lights_[i], w};
+        choice = {lights_.empty() ? static_cast<std::uint32_t>(i) : lights_[i], w, 0};
+        start = end;
         end += static_cast<double>(w);
         if (place < end) break;
     }
+    choice.rest = std::clamp((place - start) / static_cast<double>(choice.weight), 0.0, below_one);
     return choice;
 }
 

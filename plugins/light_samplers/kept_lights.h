@@ -15,11 +15,10 @@ public:
     bool holds(std::uint32_t light) const {
         return near_.find(light) != near_.lights().size() || far_.weight_of(light) > 0;
     }
-    /// Whether they are all the lights of a tree of so many.
-    bool are_all(std::size_t count) const {
+    std::size_t count() const {
         const auto near = near_.lights();
         const auto empty = std::count(near.begin(), near.end(), LightTree8::none);
-        return near.size() - static_cast<std::size_t>(empty) + far_.size() == count;
+        return near.size() - static_cast<std::size_t>(empty) + far_.size();
     }
     /// The share of draws for the tree that makes the second moment of list and tree together
     /// least; 1 if the list is worth nothing.

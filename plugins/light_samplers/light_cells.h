@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What a region of the scene remembers of the lights around it.
 ///
-/// Of the candidates that a study (light_study.h) found, those that bring most are weighed at each
-/// point, at most K, until they bring a given part of what all of them do; the others are weighed
-/// once. What a cell learnt of a light with its own few rays is joined with what its neighbours
-/// learnt of it. In scenes of some thousand lights a cell remembers all of them, those without a
-/// ray at the visibility that is usual around. The lights that are left are drawn by the tree, and
-/// the share of draws that it gets is learnt too.
+/// Of the candidates that a study (light_study.h) found, the lights that bring most are weighed at
+/// each point, at most K, until they bring a given part of what all candidates do; the others, and
+/// clusters of lights, are weighed once. What a cell learnt of a candidate with its own few rays is
+/// joined with what its neighbours learnt of it. In scenes of some thousand lights a cell remembers
+/// all of them, those without a ray at the visibility that is usual around; in larger ones a cut
+/// through the light tree. Only lights that can reach none of the points that were studied are left
+/// to a draw from the tree.
 #pragma once
 
 #include "plugins/light_samplers/kept_lights.h"
@@ -15,129 +16,115 @@ namespace lucerna {
 
 struct CellOptions {
     std::size_t lights = 64;       ///< K, weighed at each point
-    std::size_t far_lights = 512;  ///< weighed once for all points
-    std::size_t candidates = 256;
-    std::size_t rays = 384;    ///< shadow rays for a cell
-    float coverage = 0.99f;    ///< of what the candidates bring, by the lights that are weighed
-    float lent_rays = 4;       ///< that what the neighbours learnt counts for
-    float least_tail = 0.05f;  ///< share of draws of the tree
-    float floor = 0.05f;       ///< of the learnt visibility
+    std::size_t candidates = 512;  ///< in a cell that remembers all lights
+    std::size_t clusters = 1536;   ///< and lights, in others
+    float rays_per_candidate = 1;  ///< shadow rays
+    float coverage = 0.9f;         ///< of what the candidates bring, by the lights that are weighed
+    float lent_rays = 4;           ///< that what the neighbours learnt counts for
+    float tail = 0.02f;            ///< share of draws of the tree
+    float floor = 0.003f;          ///< of the learnt visibility
 };
 
-/// What is known of a region.
+/// What is known of a region. No light is in more than one of the lists.
 struct LightCell {
     NearLights near;
     FarLights far;
+    FarLights clusters;  ///< nodes of the tree
     float tail = 1;      ///< share of draws that the tree gets
     float infinite = 0;  ///< contribution of all lights at infinity together
 
-    bool holds(std::uint32_t light) const { return KeptLights(near, far).holds(light); }
-};
-
-/// Takes what neighbours know of the same lights for the prior. All are sorted by light.
-inline void borrow(std::vector<Candidate>& mine,
-                   std::span<const std::vector<Candidate>* const> neighbours, float most_rays) {
-    for (const std::vector<Candidate>* other : neighbours) {
-        auto theirs = other->begin();
-        for (Candidate& c : mine) {
-            while (theirs != other->end() && theirs->light < c.light) ++theirs;
-            if (theirs == other->end()) break;
-            if (theirs->light != c.light) continue;
-            const float rays = c.prior_rays + theirs->rays;
-            c.prior = (c.prior * c.prior_rays + theirs->arrived) / rays;
-            c.prior_rays = rays;
-        }
+    bool is_empty() const { return near.blocks() + far.size() + clusters.size() == 0; }
+    /// The cluster that a light of the tree belongs to.
+    std::optional<FarLights::Choice> cluster_of(std::uint32_t light, const LightTree8& tree) const {
+        const auto cluster = clusters.last_up_to(tree.node_of(light));
+        return cluster && tree.is_below(light, cluster->light) ? cluster : std::nullopt;
     }
-    for (Candidate& c : mine) c.prior_rays = std::min(c.prior_rays, most_rays);
-}
+    bool holds(std::uint32_t light, const LightTree8& tree) const {
+        return KeptLights(near, far).holds(light) || cluster_of(light, tree);
+    }
+    std::size_t bytes() const {
+        return sizeof(*this) + near.bytes() + far.bytes() + clusters.bytes();
+    }
+};
 
 class CellBuilder {
 public:
     CellBuilder(LightStudy& study, const SceneLights& lights, const CellOptions& options)
         : study_(study), lights_(lights), options_(options) {}
 
-    /// `others`: weights of the other lights, as a study that knew every light found them.
-    LightCell build(std::vector<Candidate> candidates, const FarLights& others) {
+    /// `others`: if every light is to be remembered, their unoccluded contributions.
+    LightCell build(Candidates candidates, const FarLights& others) {
         LightCell cell;
         keep_best(candidates, others, cell);
         cell.infinite = study_.infinite_contribution();
-        learn_tail(cell);
+        if (cell.is_empty() && lights_.infinite.empty()) return cell;
+        const std::size_t kept = KeptLights(cell.near, cell.far).count() + cell.clusters.size();
+        const bool has_all = kept == (candidates.complete ? candidates.all.size() : lights_.finite);
+        cell.tail = has_all ? 0 : options_.tail;
         return cell;
     }
 
 private:
-    void keep_best(std::vector<Candidate>& candidates, const FarLights& others,
-                   LightCell& cell) const;
-    void learn_tail(LightCell& cell);
+    void keep_best(Candidates& candidates, const FarLights& others, LightCell& cell) const;
 
     LightStudy& study_;
     const SceneLights& lights_;
     const CellOptions& options_;
 };
 
-inline void CellBuilder::keep_best(std::vector<Candidate>& candidates, const FarLights& others,
+inline void CellBuilder::keep_best(Candidates& candidates, const FarLights& others,
                                    LightCell& cell) const {
-    std::stable_sort(candidates.begin(), candidates.end(),
+    std::stable_sort(candidates.all.begin(), candidates.all.end(),
                      [](const Candidate& a, const Candidate& b) { return a.value() > b.value(); });
+    constexpr double least = 0.01;  // of the light of all candidates, for being near
     double all = 0, sum = 0;
-    for (const Candidate& c : candidates) all += static_cast<double>(c.value());
-    std::size_t count = 0;
-    for (; count < std::min(candidates.size(), options_.lights); ++count) {
-        const bool whole = count > 0 && count % LightLanes::width == 0;
-        if (whole && sum >= static_cast<double>(options_.coverage) * all) break;
-        sum += static_cast<double>(candidates[count].value());
+    for (const Candidate& c : candidates.all) all += static_cast<double>(c.value());
+    std::vector<Candidate> near;
+    std::vector<float> weights(others.size() > 0 ? lights_.lights : 0);
+    for (std::uint32_t i = 0; i < weights.size(); ++i) {
+        if (!lights_.tree.holds(i)) continue;
+        const float arriving = candidates.arriving[lights_.tree.node_of(i)];
+        weights[i] = others.weight_of(i) * assumed_visibility(arriving, options_.floor);
     }
-    const std::span<const Candidate> kept = candidates;
-    cell.near = NearLights(kept.first(count), lights_.tree, options_.floor);
-    const auto weight = [&](const Candidate& c) {
-        return c.mean * std::max(c.visibility(), options_.floor);
-    };
-    if (others.size() > 0) {
-        std::vector<float> far(lights_.lights);
-        for (std::uint32_t i = 0; i < far.size(); ++i) far[i] = others.weight_of(i);
-        for (const Candidate& c : kept.first(count)) far[c.light] = 0;
-        for (const Candidate& c : kept.subspan(count)) far[c.light] = weight(c);
-        cell.far.assign(far);
-        return;
+    std::vector<std::pair<std::uint32_t, float>> far, clusters;
+    for (const Candidate& c : candidates.all) {
+        const auto value = static_cast<double>(c.value());
+        const bool whole = near.size() % LightLanes::width == 0;
+        const bool enough =
+            near.size() == options_.lights ||
+            (whole && (sum >= static_cast<double>(options_.coverage) * all || value < least * all));
+        const bool is_near = c.is_light() && !enough;
+        const float weight =
+            is_near ? 0 : c.mean * assumed_visibility(c.visibility(), options_.floor);
+        if (is_near) {
+            near.push_back(c);
+            sum += value;
+        }
+        if (!c.is_light())
+            clusters.emplace_back(c.cluster, weight);
+        else if (!weights.empty())
+            weights[c.light] = weight;
+        else
+            far.emplace_back(c.light, weight);
     }
-    std::vector<std::pair<std::uint32_t, float>> far;
-    for (const Candidate& c : kept.subspan(count)) {
-        if (far.size() == options_.far_lights) break;
-        far.emplace_back(c.light, weight(c));
-    }
-    cell.far.assign(std::move(far));
+    cell.near = NearLights(near, lights_.tree, options_.floor);
+    cell.clusters.assign(std::move(clusters));
+    if (weights.empty())
+        cell.far.assign(std::move(far));
+    else
+        cell.far.assign(weights);
 }
 
-/// The weights of all lights for which the lights of a study stand.
-inline FarLights weights_of_all(const LightStudy& study, const SceneLights& lights, float floor) {
+/// What lights contribute where nothing is in between, if a study has asked all of them.
+inline FarLights unoccluded_weights(const LightStudy& study, const SceneLights& lights) {
     std::vector<float> weights(lights.lights);
     const std::span<const std::uint32_t> of_lanes = lights.every.lights();
-    const float visibility = std::max(study.prior(), floor);
     for (std::size_t i = 0; i < study.means().size(); ++i) {
-        if (of_lanes[i] != LightTree8::none) weights[of_lanes[i]] = study.means()[i] * visibility;
+        if (of_lanes[i] != LightTree8::none) weights[of_lanes[i]] = study.means()[i];
     }
     FarLights result;
     result.assign(weights);
     return result;
-}
-
-inline void CellBuilder::learn_tail(LightCell& cell) {
-    const KeptLights kept(cell.near, cell.far);
-    if (kept.are_all(lights_.finite)) {
-        cell.tail = 0;
-        return;
-    }
-    if (lights_.every.blocks() > 0 && cell.far.size() + cell.near.blocks() > 0) {
-        // What is left can reach none of the points that were studied.
-        cell.tail = options_.least_tail;
-        return;
-    }
-    const float share = kept.tail_share(study_, lights_);
-    if (share == 1 && lights_.infinite.empty()) {  // the list is worth nothing
-        cell = {};
-        return;
-    }
-    cell.tail = std::clamp(share, options_.least_tail, 0.9f);
 }
 
 }  // namespace lucerna

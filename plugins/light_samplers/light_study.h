@@ -2,8 +2,9 @@
 /// Which lights reach a region of the scene, learnt with shadow rays before rendering.
 ///
 /// Candidates are found in the light tree, best first, by bounds over the whole region, so that
-/// lights next to it are never missed. Shadow rays from points of the region then learn how much
-/// of the unoccluded contribution arrives; more rays go to lights that matter and are little
+/// lights next to it are never missed: single lights, or a cut through the tree (Walter et al.
+/// 2005), clusters that together hold every light. Shadow rays from points of the region learn how
+/// much of the unoccluded contribution arrives; more rays go to lights that matter and are little
 /// known. A study depends on nothing but the points of its region.
 #pragma once
 
@@ -77,8 +78,16 @@ public:
     }
 
     /// The lights that may matter most, with what `rays` shadow rays tell of them.
-    std::vector<Candidate> candidates(std::size_t count, std::size_t rays) {
-        find_candidates(count);
+    Candidates candidates(std::size_t count, std::size_t rays) {
+        find_candidates(count, false);
+        weigh_candidates();
+        trace_rounds(rays);
+        return std::move(candidates_);
+    }
+    /// About `count` lights and clusters that hold all lights which can reach the region; in
+    /// scenes of few lights, `count` of them.
+    Candidates cut(std::size_t count, std::size_t rays) {
+        find_candidates(count, true);
         weigh_candidates();
         trace_rounds(rays);
         return std::move(candidates_);
@@ -87,8 +96,6 @@ public:
     /// What each lane of `SceneLights::every` contributes where nothing is in between, mean over
     /// the points; after `candidates`.
     std::span<const float> means() const { return means_; }
-    /// Part of that which arrives, of lights of which nothing else is known; after `candidates`.
-    float prior() const { return prior_; }
 
     std::span<const LitPoint> points() const { return lit_; }
     /// Stands for all points.
@@ -103,7 +110,11 @@ public:
 private:
     void bound_region(float margin);
     float nearest(const LightLanes& lanes, std::size_t i) const;
-    void find_candidates(std::size_t count);
+    void find_candidates(std::size_t count, bool cut);
+    std::pair<const LightLanes*, std::size_t> lane_of(const Candidate& candidate) const {
+        return candidate.is_light() ? lights_.tree.lane(candidate.light)
+                                    : lights_.tree.lane_of_node(candidate.cluster);
+    }
     void choose_from_all(std::size_t count);
     void weigh_candidates();
     void trace(std::size_t candidate);
@@ -113,7 +124,7 @@ private:
     float mean_of(float sum, float bound) const {
         return std::max(sum / static_cast<float>(lit_.size()), 0.1f * bound);
     }
-    std::size_t stride() const { return (candidates_.size() + 7) / 8 * 8; }
+    std::size_t stride() const { return (candidates_.all.size() + 7) / 8 * 8; }
 
     /// A spread with which every cosine at the receiver is 1.
     static constexpr float facing_spread = 4;
@@ -124,10 +135,9 @@ private:
     bool any_normal_;
     std::vector<LitPoint> lit_;
     LitPoint region_;
-    std::vector<Candidate> candidates_;
+    Candidates candidates_;
     std::vector<float> weights_;  ///< of each candidate: contribution at each point
     std::vector<float> means_;
-    float prior_ = 0;
     Rng rng_;
 };
 
@@ -160,11 +170,13 @@ inline float LightStudy::nearest(const LightLanes& l, std::size_t i) const {
     return middle2 / std::max(glm::dot(gap, gap), std::max(1.5f * sqr(region_.slack), 1e-30f));
 }
 
-/// Best first, by a bound of what the strongest light of a cluster contributes anywhere.
-inline void LightStudy::find_candidates(std::size_t count) {
+/// Best first, by a bound of what a cluster contributes anywhere: for a cut all of it, else its
+/// strongest light.
+inline void LightStudy::find_candidates(std::size_t count, bool cut) {
     struct Entry {
         float bound;
         std::uint32_t link;
+        std::uint32_t group;
         bool leaf;
         bool operator<(const Entry& o) const {
             return bound != o.bound ? bound < o.bound : link > o.link;
@@ -172,22 +184,35 @@ inline void LightStudy::find_candidates(std::size_t count) {
     };
     if (lights_.tree.empty()) return;
     if (lights_.every.blocks() > 0) return choose_from_all(count);
+    candidates_.complete = cut;
     std::priority_queue<Entry> open;
-    open.push({infinity, 0, false});
-    while (!open.empty() && candidates_.size() < count) {
-        const Entry entry = open.top();
-        open.pop();
-        if (entry.leaf) {
-            candidates_.push_back({.light = entry.link});
-            continue;
-        }
-        const LightTree8::Node& node = lights_.tree[entry.link];
+    const auto divide = [&](std::uint32_t index, std::uint32_t group) {
+        const auto own = static_cast<std::uint32_t>(candidates_.parents.size());
+        candidates_.parents.push_back(group);
+        const LightTree8::Node& node = lights_.tree[index];
         float bounds[LightLanes::width];
         contributions(node.lanes, region_, bounds);
         for (std::size_t i = 0; i < node.count; ++i) {
             const bool leaf = node.leaves >> i & 1;
-            const float bound = bounds[i] * node.strongest[i] * nearest(node.lanes, i);
-            if (bound > 0) open.push({bound, node.link[i], leaf});
+            const float part = cut ? 1 : node.strongest[i];
+            const float bound = bounds[i] * part * nearest(node.lanes, i);
+            if (bound > 0) {
+                open.push({bound, node.link[i], own, leaf});
+            } else {
+                candidates_.complete = false;
+            }
+        }
+    };
+    divide(0, 0);
+    while (!open.empty() && (cut || candidates_.all.size() < count)) {
+        const Entry entry = open.top();
+        open.pop();
+        if (entry.leaf) {
+            candidates_.all.push_back({.light = entry.link, .group = entry.group});
+        } else if (!cut || candidates_.all.size() + open.size() < count) {
+            divide(entry.link, entry.group);
+        } else {
+            candidates_.all.push_back({.cluster = entry.link, .group = entry.group});
         }
     }
 }
@@ -213,13 +238,19 @@ inline void LightStudy::choose_from_all(std::size_t count) {
     const auto end = lanes.begin() + static_cast<std::ptrdiff_t>(std::min(count, lanes.size()));
     std::nth_element(lanes.begin(), end, lanes.end(), better);
     std::sort(lanes.begin(), end, better);
-    for (auto it = lanes.begin(); it != end; ++it) candidates_.push_back({.light = lights[*it]});
+    for (auto it = lanes.begin(); it != end; ++it) {
+        const std::uint32_t light = lights[*it];
+        candidates_.all.push_back({.light = light, .group = lights_.tree.node_of(light)});
+    }
+    for (std::uint32_t i = 0; i < lights_.tree.size(); ++i) {
+        candidates_.parents.push_back(i == 0 ? 0 : lights_.tree[i].parent);
+    }
 }
 
 inline void LightStudy::weigh_candidates() {
     std::vector<LightLanes> lanes(stride() / 8);
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-        const auto [from, lane] = lights_.tree.lane(candidates_[i].light);
+    for (std::size_t i = 0; i < candidates_.all.size(); ++i) {
+        const auto [from, lane] = lane_of(candidates_.all[i]);
         lanes[i / 8].copy(i % 8, *from, lane);
     }
     const std::span<const LightLanes> blocks = lanes;
@@ -231,10 +262,10 @@ inline void LightStudy::weigh_candidates() {
         for (std::size_t i = 0; i < all.size(); ++i) weights_[i * points + p] = all[i];
     }
     contributions(blocks, region_, all.data());
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    for (std::size_t i = 0; i < candidates_.all.size(); ++i) {
         float sum = 0;
         for (std::size_t p = 0; p < points; ++p) sum += weights_[i * points + p];
-        candidates_[i].mean = mean_of(sum, all[i]);
+        candidates_.all[i].mean = mean_of(sum, all[i]);
     }
 }
 
@@ -284,25 +315,32 @@ inline void LightStudy::trace(std::size_t i) {
         place -= w;
     }
     if (point == lit_.size()) return;  // it may yet matter between the points
-    candidates_[i].rays += 1;
-    const double fraction =
-        arriving(candidates_[i].light, point) / static_cast<double>(weights[point]);
-    candidates_[i].arrived += static_cast<float>(std::min(fraction, 2.0));
+    Candidate& candidate = candidates_.all[i];
+    candidate.rays += 1;
+    LightTree8::Choice choice{candidate.light, 1};
+    if (!candidate.is_light()) {
+        const auto drawn = lights_.tree.sample(lit_[point], rng_.next_double(), candidate.cluster);
+        if (!drawn) return;
+        choice = *drawn;
+    }
+    const double fraction = arriving(choice.light, point) / static_cast<double>(choice.pmf) /
+                            static_cast<double>(weights[point]);
+    candidate.arrived += static_cast<float>(std::min(fraction, 2.0));
 }
 
 inline void LightStudy::trace_rounds(std::size_t left) {
-    if (candidates_.empty()) return;
-    const std::size_t first = std::min(candidates_.size(), left / 3);  // best first
+    if (candidates_.all.empty()) return;
+    const std::size_t first = std::min(candidates_.all.size(), left / 3);  // best first
     for (std::size_t i = 0; i < first; ++i) trace(i);
     left -= first;
     float arrived = 1, rays_traced = 2;
-    for (const Candidate& c : candidates_) arrived += c.arrived, rays_traced += c.rays;
-    prior_ = std::min(arrived / rays_traced, 1.0f);
-    for (Candidate& c : candidates_) c.prior = prior_;
+    for (const Candidate& c : candidates_.all) arrived += c.arrived, rays_traced += c.rays;
+    candidates_.usual = std::min(arrived / rays_traced, 1.0f);
     for (std::size_t rounds = 4; rounds > 0 && left > 0; --rounds) {
+        candidates_.learn_priors();
         std::vector<double> wanted;
         double total = 0;
-        for (const Candidate& c : candidates_) {
+        for (const Candidate& c : candidates_.all) {
             wanted.push_back(
                 static_cast<double>(c.mean * std::sqrt(c.visibility() / (1 + c.rays))));
             total += wanted.back();
@@ -310,12 +348,13 @@ inline void LightStudy::trace_rounds(std::size_t left) {
         if (!(total > 0)) return;
         const std::size_t rays = left / rounds;
         double owed = rng_.next_double();
-        for (std::size_t i = 0; i < candidates_.size(); ++i) {
+        for (std::size_t i = 0; i < candidates_.all.size(); ++i) {
             owed += static_cast<double>(rays) * wanted[i] / total;
             for (; owed >= 1; owed -= 1) trace(i);
         }
         left -= rays;
     }
+    candidates_.learn_priors();
 }
 
 }  // namespace lucerna

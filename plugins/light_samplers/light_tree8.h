@@ -6,6 +6,7 @@
 /// are eight. Leaves are weighed like single lights, with their exact planes.
 #pragma once
 
+#include "core/scene/huge_pages.h"
 #include "plugins/light_samplers/light_list.h"
 
 namespace lucerna {
@@ -33,15 +34,30 @@ public:
     LightTree8(LightList lights, std::size_t light_count, const Workers& workers);
 
     bool empty() const { return nodes_.empty(); }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
     const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
-    /// Draws a light; u in [0, 1). Empty: no light of the cluster that it met can reach the point.
-    std::optional<Choice> sample(const LitPoint& at, double u) const;
-    /// The same number that `sample` reports for the light.
-    float pmf(const LitPoint& at, std::uint32_t light) const;
+    /// Draws one of the lights below a node; u in [0, 1). Empty: no light of the cluster that it
+    /// met can reach the point.
+    std::optional<Choice> sample(const LitPoint& at, double u, std::uint32_t node = 0) const;
+    /// The same number that `sample` reports for the light; zero if it is not below the node.
+    float pmf(const LitPoint& at, std::uint32_t light, std::uint32_t node = 0) const;
     /// Whether the light is in the tree, and its lane in a node.
     bool holds(std::uint32_t light) const { return place_[light] != none; }
     std::pair<const LightLanes*, std::size_t> lane(std::uint32_t light) const {
         return {&nodes_[place_[light] / 8].lanes, place_[light] % 8};
+    }
+    /// The lane of a node, which is not the first, in its parent.
+    std::pair<const LightLanes*, std::size_t> lane_of_node(std::uint32_t node) const {
+        return {&nodes_[nodes_[node].parent].lanes, nodes_[node].slot};
+    }
+    /// The node that a light of the tree is a child of. Nodes below another have larger indices,
+    /// and no others come between them.
+    std::uint32_t node_of(std::uint32_t light) const { return place_[light] / 8; }
+    /// Whether a light of the tree is below a node.
+    bool is_below(std::uint32_t light, std::uint32_t node) const {
+        std::uint32_t above = node_of(light);
+        while (above != none && above > node) above = nodes_[above].parent;
+        return above == node;
     }
     std::size_t bytes() const {
         return nodes_.capacity() * sizeof(Node) + place_.capacity() * sizeof(std::uint32_t);
@@ -53,7 +69,7 @@ private:
                            std::size_t slot, const std::vector<float>& facing,
                            const std::vector<float>& strongest);
 
-    std::vector<Node> nodes_;
+    std::vector<Node, HugePages<Node>> nodes_;
     std::vector<std::uint32_t> place_;  ///< of each light of the scene: 8 · node + lane
 };
 
@@ -115,9 +131,9 @@ inline std::uint32_t LightTree8::collapse(const LightTree& binary, std::uint32_t
     return index;
 }
 
-inline std::optional<LightTree8::Choice> LightTree8::sample(const LitPoint& at, double u) const {
+inline std::optional<LightTree8::Choice> LightTree8::sample(const LitPoint& at, double u,
+                                                            std::uint32_t index) const {
     float pmf = 1;
-    std::uint32_t index = 0;
     while (!nodes_.empty()) {
         const Node& node = nodes_[index];
         Weights w;
@@ -144,15 +160,17 @@ inline std::optional<LightTree8::Choice> LightTree8::sample(const LitPoint& at, 
     return {};
 }
 
-inline float LightTree8::pmf(const LitPoint& at, std::uint32_t light) const {
+inline float LightTree8::pmf(const LitPoint& at, std::uint32_t light, std::uint32_t top) const {
     if (!holds(light)) return 0;
     // The path is known from below; the product is taken from above, as when drawing.
     std::array<std::uint32_t, 80> path;
     std::size_t length = 0;
-    for (std::uint32_t at_lane = place_[light]; at_lane != none;) {
+    for (std::uint32_t at_lane = place_[light];;) {
         path[length++] = at_lane;
+        if (at_lane / 8 == top) break;
         const Node& node = nodes_[at_lane / 8];
-        at_lane = node.parent == none ? none : 8 * node.parent + node.slot;
+        if (node.parent == none) return 0;
+        at_lane = 8 * node.parent + node.slot;
     }
     float pmf = 1;
     while (length-- > 0 && pmf > 0) {

@@ -3,10 +3,8 @@
 /// after it, such as cache:lights=128:jitter=0.5.
 #pragma once
 
-#include "core/interfaces/light_sampler.h"
-#include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 #include "tests/benchmarks/benchmark_scenes.h"
+#include "tests/prepared_sampler.h"
 
 namespace lucerna {
 
@@ -33,27 +31,5 @@ inline std::string element_of(const std::string& text) {
     }
     return xml + "</light_sampler>";
 }
-
-/// A sampler of such a name, ready for a scene.
-class BuiltSampler {
-public:
-    BuiltSampler(const std::string& name, const Scene& scene) {
-        Diagnostics diagnostics;
-        const Description description =
-            read_scene_text("<scene version='3.0.0'>" + element_of(name) + "</scene>",
-                            "sampler.xml", {}, diagnostics);
-        build_object(*description.root->children.front().element, description, registry_,
-                     diagnostics, objects_);
-        diagnostics.throw_if_errors();
-        objects_.back()->prepare(scene);
-    }
-    const LightSampler& operator*() const {
-        return static_cast<const LightSampler&>(*objects_.back());
-    }
-
-private:
-    Registry registry_;
-    std::vector<std::unique_ptr<Object>> objects_;
-};
 
 }  // namespace lucerna

@@ -37,7 +37,7 @@ void measure(const std::string& label, const std::string& name, const Scene& sce
         pilot_receivers(scene, {.count = 100000, .bounces = 0, .seed = 77}, Workers(1));
     const double cpu = cpu_seconds();
     const auto start = BenchmarkClock::now();
-    const BuiltSampler built(name, scene);
+    const PreparedSampler built(element_of(name), scene);
     const double wall = seconds_since(start), build_cpu = cpu_seconds() - cpu;
     const LightSampler& sampler = *built;
     const double kept = static_cast<double>(sampler.bytes()) / 1e6;

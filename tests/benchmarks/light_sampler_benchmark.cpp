@@ -76,7 +76,7 @@ void print_row(const std::string& name, const OracleFigures& f, double ns, doubl
 
 void measure(const std::string& type, const Scene& scene, const OracleKind& points) {
     auto start = BenchmarkClock::now();
-    const BuiltSampler built(type, scene);
+    const PreparedSampler built(element_of(type), scene);
     const double build = seconds_since(start);
     const LightSampler& sampler = *built;
     start = BenchmarkClock::now();

@@ -3,9 +3,8 @@
 /// smaller than a cell, all lights in one spot. What holds for every light sampler is tested in
 /// light_sampler_test.cpp.
 #include "core/interfaces/bsdf.h"
-#include "core/interfaces/light_sampler.h"
-#include "core/scene/xml_reader.h"
 #include "plugins/light_samplers/pilot_paths.h"
+#include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
 
 #include <fmt/format.h>
@@ -13,35 +12,9 @@
 namespace lucerna {
 namespace {
 
-std::string light_sampler(const std::string& type, const std::string& inside = "") {
-    return "<light_sampler type='" + type + "'>" + inside + "</light_sampler>";
-}
-
 std::string word(const std::string& name, const std::string& value) {
     return fmt::format("<string name='{}' value='{}'/>", name, value);
 }
-
-/// A sampler with parameters, ready for a scene.
-class PreparedSampler {
-public:
-    PreparedSampler(const std::string& element, const Scene& scene) {
-        Diagnostics diagnostics;
-        const Description description = read_scene_text(
-            "<scene version='3.0.0'>" + element + "</scene>", "sampler.xml", {}, diagnostics);
-        build_object(*description.root->children.front().element, description, registry_,
-                     diagnostics, objects_);
-        diagnostics.throw_if_errors();
-        objects_.back()->prepare(scene);
-    }
-    const LightSampler& operator*() const {
-        return static_cast<const LightSampler&>(*objects_.back());
-    }
-    const LightSampler* operator->() const { return &**this; }
-
-private:
-    Registry registry_;
-    std::vector<std::unique_ptr<Object>> objects_;
-};
 
 /// Two rooms, a thick wall between them, 30 lights in each.
 std::string two_rooms(const std::string& integrator, double size = 1) {
@@ -165,7 +138,7 @@ TEST_P(Remembering, E6_AllLightsInOneSpot) {
     for (int i = 0; i < count; ++i) text += point_light({0, 0, 2}, 1.0 / count);
     const TestScene test(text);
     // I cos θ / d² · ρ/π
-    EXPECT_TRUE(agrees(pixel_statistics(test.render({.per_pixel = 2})),
+    EXPECT_TRUE(agrees(pixel_statistics(test.render({.per_pixel = 8})),
                        0.25 * 0.5 / std::numbers::pi, 0.001));
 }
 

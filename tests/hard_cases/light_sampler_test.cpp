@@ -3,6 +3,7 @@
 /// are drawn, and leave out no light that contributes.
 #include "core/interfaces/light_sampler.h"
 #include "core/interfaces/bsdf.h"
+#include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
 
 #include <fmt/format.h>
@@ -12,26 +13,9 @@
 namespace lucerna {
 namespace {
 
-/// A light sampler of a type, ready for a scene.
-class PreparedSampler {
-public:
-    PreparedSampler(const std::string& type, const Scene& scene)
-        : object_(make_object(registry_, LightSampler::kind, type)) {
-        object_->prepare(scene);
-    }
-    const LightSampler& operator*() const { return static_cast<const LightSampler&>(*object_); }
-    const LightSampler* operator->() const { return &**this; }
-
-private:
-    Registry registry_;
-    std::unique_ptr<Object> object_;
-};
-
 class LightSamplers : public testing::TestWithParam<std::string> {};
 
-std::vector<std::string> all_samplers() { return Registry().names(LightSampler::kind); }
-
-INSTANTIATE_TEST_SUITE_P(All, LightSamplers, testing::ValuesIn(all_samplers()),
+INSTANTIATE_TEST_SUITE_P(All, LightSamplers, testing::ValuesIn(tested_samplers()),
                          [](const auto& type) { return type.param; });
 
 /// A few rooms' worth of lights of all kinds and of very different powers.
@@ -110,7 +94,7 @@ double sum_of_probabilities(const LightSampler& sampler, const Receiver& at, std
 
 TEST_P(LightSamplers, E7_E12_E16_ProbabilitiesAddUp) {
     const TestScene test(many_lights());
-    const PreparedSampler sampler(GetParam(), test.scene());
+    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
     for (const Receiver& at : receivers(300)) {
         const double sum = sum_of_probabilities(*sampler, at, test.scene().lights().size());
         EXPECT_LE(sum, sampler->draws() * (1 + 1e-5));
@@ -132,7 +116,7 @@ TEST_P(LightSamplers, E7_E12_E16_ProbabilitiesAddUp) {
 TEST_P(LightSamplers, E3_E8_E13_E14_E15_NoContributingLightIsLeftOut) {
     const TestScene test(many_lights());
     const Scene& scene = test.scene();
-    const PreparedSampler sampler(GetParam(), scene);
+    const PreparedSampler sampler(tested_sampler(GetParam()), scene);
     int pairs = 0;
     for (const Receiver& at : receivers(2000)) {
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
@@ -145,7 +129,7 @@ TEST_P(LightSamplers, E3_E8_E13_E14_E15_NoContributingLightIsLeftOut) {
 
 TEST_P(LightSamplers, E9_C21_DrawnProbabilityIsTheEvaluatedOne) {
     const TestScene test(many_lights());
-    const PreparedSampler sampler(GetParam(), test.scene());
+    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
     for (const Receiver& at : receivers(200)) {
         for (const float u : {0.0f, 0x1p-24f, 0.1f, 0.37f, 0.5f, 0.73f, 0.9f, 1 - 0x1p-24f}) {
             for (std::uint32_t draw = 0; draw < sampler->draws(); ++draw) {
@@ -162,7 +146,7 @@ TEST_P(LightSamplers, E9_C21_DrawnProbabilityIsTheEvaluatedOne) {
 TEST_P(LightSamplers, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
     const TestScene test(many_lights());
     const std::size_t lights = test.scene().lights().size();
-    const PreparedSampler sampler(GetParam(), test.scene());
+    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
     std::mt19937 engine(2);
     std::uniform_int_distribution<int> bits(0, (1 << 24) - 1);
     const bool one_draw_each = sampler->draws() > 1;
@@ -189,12 +173,12 @@ TEST_P(LightSamplers, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
 
 TEST_P(LightSamplers, E11_UnitsOfLengthDoNotMatter) {
     const TestScene reference(many_lights());
-    const PreparedSampler sampler(GetParam(), reference.scene());
+    const PreparedSampler sampler(tested_sampler(GetParam()), reference.scene());
     const std::vector<Receiver> points = receivers(50);
     // Powers of two: rounding is the same, and so are the splits of trees.
     for (const double size : {0x1p-10, 0x1p10}) {
         const TestScene scaled(many_lights(size));
-        const PreparedSampler other(GetParam(), scaled.scene());
+        const PreparedSampler other(tested_sampler(GetParam()), scaled.scene());
         const std::vector<Receiver> there = receivers(50, static_cast<float>(size));
         for (std::size_t i = 0; i < points.size(); ++i) {
             for (std::uint32_t light = 0; light < reference.scene().lights().size(); ++light) {
@@ -208,8 +192,7 @@ TEST_P(LightSamplers, E11_UnitsOfLengthDoNotMatter) {
 
 /// A floor with a camera, and lights.
 std::string floor_below(const std::string& type, const std::string& lights) {
-    return path_integrator("<light_sampler type='" + type + "'/>") +
-           shape("rectangle", scale(2), diffuse(0.5)) +
+    return path_integrator(tested_sampler(type)) + shape("rectangle", scale(2), diffuse(0.5)) +
            xml({.to_world = look({0, 0, 2}, {0, 0, 0}), .fov = 5, .width = 16, .height = 16}) +
            lights;
 }
@@ -219,7 +202,7 @@ FilmState lit_floor(const std::string& type, const std::string& lights, std::uin
 
 TEST_P(LightSamplers, E1_NoLight) {
     const TestScene test(sphere({0, 0, 0}, 1, ""));
-    const PreparedSampler sampler(GetParam(), test.scene());
+    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
     EXPECT_EQ(sampler->draws(), 0u);
     EXPECT_TRUE(is_constant(lit_floor(GetParam(), "", 4), 0));
 }
@@ -228,7 +211,7 @@ TEST_P(LightSamplers, E2_OneLight) {
     for (const std::string& light :
          {point_light({0, 0, 1}, 1), constant_light(1), sphere({0, 0, 3}, 1, area_light(1))}) {
         const TestScene test(shape("rectangle", "", "") + light);
-        const PreparedSampler sampler(GetParam(), test.scene());
+        const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
         const Receiver at{.p = {0.1f, 0, 0}, .error = 1e-6f};
         ASSERT_EQ(sampler->draws(), 1u);
         EXPECT_EQ(sampler->pmf(at, 0), 1);
@@ -264,7 +247,7 @@ TEST_P(LightSamplers, E4_BlackLightsAmongOthers) {
 TEST_P(LightSamplers, E5_ADimLightBesideABrightOneIsNeverForgotten) {
     const TestScene test(shape("rectangle", "", "") + point_light({0, 0, 1}, 1e12) +
                          point_light({1, 0, 1}, 1) + point_light({2, 0, 1}, 1e-6));
-    const PreparedSampler sampler(GetParam(), test.scene());
+    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
     for (const Receiver& at : receivers(100)) {
         for (std::uint32_t light = 0; light < 3; ++light) {
             if (contributes(test.scene().lights()[light], at)) {
@@ -281,12 +264,11 @@ TEST_P(LightSamplers, E6_O24_ManyLights) {
         const double phi = 2 * std::numbers::pi * i / count;
         lights += point_light({3 * std::cos(phi), 3 * std::sin(phi), 4}, 1.0 / count);
     }
-    const TestScene test(direct_integrator("<light_sampler type='" + GetParam() + "'/>" +
-                                           integer("bsdf_samples", 0)) +
-                         shape("rectangle", scale(0.1), diffuse(0.5)) +
-                         probe({0, 0, 0}, {0, 0, 1}) + lights);
+    const TestScene test(
+        direct_integrator(tested_sampler(GetParam()) + integer("bsdf_samples", 0)) +
+        shape("rectangle", scale(0.1), diffuse(0.5)) + probe({0, 0, 0}, {0, 0, 1}) + lights);
     ASSERT_EQ(test.scene().lights().size(), static_cast<std::size_t>(count));
-    const PreparedSampler sampler(GetParam(), test.scene());
+    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
     const Receiver at{.p = {0.01f, 0, 0}, .error = 1e-7f};
     EXPECT_NEAR(sum_of_probabilities(*sampler, at, count) / sampler->draws(), 1, 1e-5);
     // Some look at every light.

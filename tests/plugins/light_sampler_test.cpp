@@ -6,6 +6,7 @@
 #include "core/interfaces/bsdf.h"
 #include "plugins/light_samplers/light_study.h"
 #include "plugins/light_samplers/pilot_paths.h"
+#include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
 
 #include <fmt/format.h>
@@ -13,21 +14,9 @@
 namespace lucerna {
 namespace {
 
-class SeenLights : public testing::TestWithParam<std::string> {
-protected:
-    /// A sampler of the tested type, ready for the scene.
-    const LightSampler& prepared(const Scene& scene) {
-        object_ = make_object(registry_, LightSampler::kind, GetParam());
-        object_->prepare(scene);
-        return static_cast<const LightSampler&>(*object_);
-    }
+class SeenLights : public testing::TestWithParam<std::string> {};
 
-private:
-    Registry registry_;
-    std::unique_ptr<Object> object_;
-};
-
-INSTANTIATE_TEST_SUITE_P(All, SeenLights, testing::ValuesIn(Registry().names(LightSampler::kind)),
+INSTANTIATE_TEST_SUITE_P(All, SeenLights, testing::ValuesIn(tested_samplers()),
                          [](const auto& type) { return type.param; });
 
 /// Blocks on a floor between lamps, half of which are hidden, under a dim sky; `integrator` is
@@ -69,7 +58,8 @@ bool contributes(const Scene& scene, const Light& light, const Receiver& at) {
 TEST_P(SeenLights, E7_E8_E9_ProbabilitiesHoldAtPointsThatTheCameraSees) {
     const TestScene test(courtyard(""));
     const Scene& scene = test.scene();
-    const LightSampler& sampler = prepared(scene);
+    const PreparedSampler prepared(tested_sampler(GetParam()), scene);
+    const LightSampler& sampler = *prepared;
     int checked = 0;
     for (const Receiver& at : seen_points(scene, 300)) {
         double sum = 0;
@@ -95,7 +85,8 @@ TEST_P(SeenLights, E7_E8_E9_ProbabilitiesHoldAtPointsThatTheCameraSees) {
 TEST_P(SeenLights, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
     const TestScene test(courtyard(""));
     const std::size_t lights = test.scene().lights().size();
-    const LightSampler& sampler = prepared(test.scene());
+    const PreparedSampler prepared(tested_sampler(GetParam()), test.scene());
+    const LightSampler& sampler = *prepared;
     if (sampler.draws() > 1) GTEST_SKIP() << "visits every light";
     const std::vector<Receiver> points = seen_points(test.scene(), 12);
     for (const Receiver& at : points) {
@@ -122,7 +113,8 @@ TEST_P(SeenLights, E15_CachePointsAreNeverMuchWorseThanTheTree) {
     if (!GetParam().starts_with("cache_")) GTEST_SKIP() << "not made from cache points";
     const TestScene test(courtyard(""));
     const Scene& scene = test.scene();
-    const LightSampler& sampler = prepared(scene);
+    const PreparedSampler prepared(tested_sampler(GetParam()), scene);
+    const LightSampler& sampler = *prepared;
     const SceneLights lights(scene);
     for (const Receiver& at : seen_points(scene, 300)) {
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
@@ -148,30 +140,27 @@ std::string small_city(int lights) {
            "<integer name='height' value='180'/></film></sensor>";
 }
 
-TEST(CacheSampler, E15_WallsUnderHundredsOfDimWindowsKnowThem) {
+class CacheSampler : public testing::TestWithParam<int> {};
+
+INSTANTIATE_TEST_SUITE_P(RemembersAll, CacheSampler, testing::Values(0, 8192));
+
+TEST_P(CacheSampler, E15_WallsUnderHundredsOfDimWindowsKnowThem) {
     // Lamps below outshine the windows across the street in the bounds of any cluster; they are
     // not seen from high walls, and what is left must not be drawn by such bounds.
     constexpr int lights = 3000;
     const TestScene test(small_city(lights));
     const Scene& scene = test.scene();
-    Registry registry;
-    const auto prepare = [&](const std::string& type) {
-        std::unique_ptr<Object> object = make_object(registry, LightSampler::kind, type);
-        object->prepare(scene);
-        return object;
-    };
-    const auto cache_object = prepare("cache"), exhaustive_object = prepare("exhaustive");
-    const auto& cache = static_cast<const LightSampler&>(*cache_object);
-    const auto& exhaustive = static_cast<const LightSampler&>(*exhaustive_object);
+    const PreparedSampler cache(light_sampler("cache", integer("remember_all", GetParam())), scene);
+    const PreparedSampler exhaustive(light_sampler("exhaustive"), scene);
     // Of one draw, if all that the lights in sight contribute is what geometry tells.
     std::vector<double> found;
     for (const Receiver& at :
          pilot_receivers(scene, {.count = 100, .bounces = 0, .seed = 5}, Workers(1))) {
         double second_moment = 0, sum = 0;
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            const auto u = static_cast<double>(exhaustive.pmf(at, i));
+            const auto u = static_cast<double>(exhaustive->pmf(at, i));
             if (!(u > 0) || !contributes(scene, scene.lights()[i], at)) continue;
-            second_moment += u * u / static_cast<double>(cache.pmf(at, i));
+            second_moment += u * u / static_cast<double>(cache->pmf(at, i));
             sum += u;
         }
         if (sum > 0) found.push_back(second_moment / (sum * sum));
@@ -183,8 +172,7 @@ TEST(CacheSampler, E15_WallsUnderHundredsOfDimWindowsKnowThem) {
 }
 
 std::string direct_with(const std::string& sampler) {
-    return direct_integrator("<light_sampler type='" + sampler + "'/>" +
-                             boolean("hide_emitters", true));
+    return direct_integrator(tested_sampler(sampler) + boolean("hide_emitters", true));
 }
 
 TEST_P(SeenLights, MeanIsThatOfAllLights) {
@@ -195,8 +183,7 @@ TEST_P(SeenLights, MeanIsThatOfAllLights) {
 }
 
 TEST_P(SeenLights, ThreadsDoNotChangeTheImage) {
-    const std::string text =
-        courtyard(path_integrator("<light_sampler type='" + GetParam() + "'/>"), 8);
+    const std::string text = courtyard(path_integrator(tested_sampler(GetParam())), 8);
     const TestScene one(text), again(text);
     const std::vector<double> expected = numbers_of(one.render({.per_pixel = 2, .threads = 1}));
     EXPECT_EQ(numbers_of(again.render({.per_pixel = 2, .threads = 3})), expected);
