@@ -8,11 +8,10 @@ Sampler::Sampler(const Params& params)
 
 Sampler::~Sampler() = default;
 
-void Sampler::sample_block(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
-                           Vector2 (&pairs)[block_pairs]) const {
-    for (std::uint32_t i = 0; i < block_pairs; ++i) {
-        pairs[i] = sample_2d(sequence, index, dimension + 2 * i);
-    }
+std::uint32_t Sampler::sample_block(std::uint64_t sequence, std::uint64_t index,
+                                    std::uint32_t dimension, Vector2 (&pairs)[block_pairs]) const {
+    pairs[0] = sample_2d(sequence, index, dimension);
+    return 1;
 }
 
 }  // namespace lucerna

@@ -27,11 +27,12 @@ public:
     virtual Vector2 sample_2d(std::uint64_t sequence, std::uint64_t index,
                               std::uint32_t dimension) const = 0;
 
-    static constexpr std::uint32_t block_pairs = 4;
-    /// The pairs at `dimension`, `dimension` + 2, …: what `sample_2d` returns for each. Together
-    /// they may cost less.
-    virtual void sample_block(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
-                              Vector2 (&pairs)[block_pairs]) const;
+    static constexpr std::uint32_t block_pairs = 8;
+    /// The pairs at `dimension`, `dimension` + 2, …: what `sample_2d` returns for each. Returns how
+    /// many: as many as cost hardly more than one, for they may not all be asked for.
+    virtual std::uint32_t sample_block(std::uint64_t sequence, std::uint64_t index,
+                                       std::uint32_t dimension,
+                                       Vector2 (&pairs)[block_pairs]) const;
 
     /// Samples per pixel if the command line does not say.
     int sample_count() const { return sample_count_; }
@@ -50,9 +51,8 @@ public:
     Vector2 next_2d() {
         std::uint32_t place = dimension_ - block_begin_;
         if (place >= block_size_ || place % 2 != 0) {
-            sampler_.sample_block(sequence_, index_, dimension_, block_);
+            block_size_ = 2 * sampler_.sample_block(sequence_, index_, dimension_, block_);
             block_begin_ = dimension_;
-            block_size_ = 2 * Sampler::block_pairs;
             place = 0;
         }
         dimension_ += 2;

@@ -74,12 +74,7 @@ private:
     std::uint64_t state_, increment_;
 };
 
-/// Four numbers that vector registers work on together; the functions of bits below take them as
-/// well as single numbers.
-using FourUints = std::uint32_t __attribute__((vector_size(16)));
-
-template <typename Bits>
-constexpr Bits reverse_bits(Bits x) {
+constexpr std::uint32_t reverse_bits(std::uint32_t x) {
     x = (x << 16) | (x >> 16);
     x = ((x & 0x00ff00ffu) << 8) | ((x >> 8) & 0x00ff00ffu);
     x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
@@ -102,8 +97,7 @@ struct SequenceSeeds {
 
 /// Multiplies the bit vector `x` by Pascal's matrix modulo 2, the Kronecker power of (1 1; 0 1)
 /// (Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact").
-template <typename Bits>
-constexpr Bits multiply_by_pascal(Bits x) {
+constexpr std::uint32_t multiply_by_pascal(std::uint32_t x) {
     x ^= (x & 0xaaaaaaaau) >> 1;
     x ^= (x & 0xccccccccu) >> 2;
     x ^= (x & 0xf0f0f0f0u) >> 4;
@@ -113,8 +107,7 @@ constexpr Bits multiply_by_pascal(Bits x) {
 
 /// Random permutation in which a bit depends on lower bits only (Laine and Karras 2011), with the
 /// constants of Vegdahl 2021, "Building a Better LK Hash". `seed` must be well mixed.
-template <typename Bits>
-constexpr Bits laine_karras_permutation(Bits x, Bits seed) {
+constexpr std::uint32_t laine_karras_permutation(std::uint32_t x, std::uint32_t seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1;
@@ -125,26 +118,23 @@ constexpr Bits laine_karras_permutation(Bits x, Bits seed) {
 
 /// Nested uniform (Owen) scrambling in base 2, by hash
 /// (Burley 2020, "Practical Hash-based Owen Scrambling").
-template <typename Bits>
-constexpr Bits owen_scramble(Bits x, Bits seed) {
+constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
     return reverse_bits(laine_karras_permutation(reverse_bits(x), seed));
 }
 
 /// Two coordinates as 32-bit fractions.
-template <typename Bits>
-struct SobolPointOf {
-    Bits x, y;
+struct SobolPoint {
+    std::uint32_t x, y;
     Vector2 to_float() const { return {uint_to_float(x), uint_to_float(y)}; }
     Vector2d to_double() const { return {uint_to_double(x), uint_to_double(y)}; }
 };
-using SobolPoint = SobolPointOf<std::uint32_t>;
 
 /// The same as below for an index below 2³², from seeds that are well mixed: one that shuffles the
 /// index, one that scrambles each coordinate.
-template <typename Bits>
-constexpr SobolPointOf<Bits> sobol_owen_2d_bits(Bits index, Bits order, Bits first, Bits second) {
+constexpr SobolPoint sobol_owen_2d_bits(std::uint32_t index, std::uint32_t order,
+                                        std::uint32_t first, std::uint32_t second) {
     // Scrambling the index shuffles within blocks and keeps the blocks.
-    const Bits i = owen_scramble(index, order);
+    const std::uint32_t i = owen_scramble(index, order);
     // A scramble is reverse, permute, reverse; both Sobol' coordinates are reversed numbers.
     return {reverse_bits(laine_karras_permutation(i, first)),
             reverse_bits(laine_karras_permutation(multiply_by_pascal(i), second))};

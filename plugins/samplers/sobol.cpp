@@ -10,20 +10,13 @@ namespace lucerna {
 
 namespace {
 
-static_assert(sizeof(FourUints) == Sampler::block_pairs * sizeof(std::uint32_t));
-
-struct FourSeeds {
-    FourUints order{}, first{}, second{};
-};
-
-/// Compiled twice: half of the work are products of integers, which SSE2 does not have.
-[[gnu::target_clones("avx2", "default")]] void four_points(std::uint32_t index,
-                                                           const FourSeeds& seeds,
-                                                           Vector2 (&pairs)[Sampler::block_pairs]) {
-    const auto points =
-        sobol_owen_2d_bits(FourUints{} + index, seeds.order, seeds.first, seeds.second);
+/// Point `index` of patterns whose keys lie `step` apart. Compiled twice, for eight lanes where the
+/// processor has them: half of the work are products of integers, which SSE2 does not have.
+[[gnu::target_clones("avx2", "default")]] void points_of_patterns(
+    std::uint64_t index, std::uint64_t key, std::uint64_t step,
+    Vector2 (&points)[Sampler::block_pairs]) {
     for (std::uint32_t i = 0; i < Sampler::block_pairs; ++i) {
-        pairs[i] = {uint_to_float(points.x[i]), uint_to_float(points.y[i])};
+        points[i] = sobol_owen_2d(index, key + i * step);
     }
 }
 
@@ -41,14 +34,11 @@ public:
         return sobol_owen_2d(index, raw_key(sequence, dimension));
     }
 
-    void sample_block(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
-                      Vector2 (&pairs)[block_pairs]) const override {
-        FourSeeds seeds;
-        for (std::uint32_t i = 0; i < block_pairs; ++i) {
-            const SequenceSeeds s(index, raw_key(sequence, dimension + 2 * i));
-            seeds.order[i] = s.order(), seeds.first[i] = s.first(), seeds.second[i] = s.second();
-        }
-        four_points(static_cast<std::uint32_t>(index), seeds, pairs);
+    std::uint32_t sample_block(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
+                               Vector2 (&pairs)[block_pairs]) const override {
+        const std::uint64_t key = raw_key(sequence, dimension);
+        points_of_patterns(index, key, raw_key(sequence, dimension + 2) - key, pairs);
+        return block_pairs;
     }
 };
 
