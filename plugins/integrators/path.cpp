@@ -132,7 +132,9 @@ bool PathIntegrator::scatter(Path& path, int depth) const {
     path.beta *= next->weight;
     if (is_black(path.beta)) return false;  // underflow: nothing that follows can be seen
     path.eta2 *= sqr(next->eta);
-    path.before = {.receiver = surface.receiver, .pdf = next->pdf, .specular = next->specular()};
+    path.before.receiver = surface.receiver;
+    path.before.pdf = next->pdf;
+    path.before.specular = next->specular();
     path.ray = at.spawn_ray(wi);
     if (depth + 1 < rr_depth_) return true;
 
