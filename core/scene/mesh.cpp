@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/mesh.h"
 
-#include "core/math/four_floats.h"
 #include "core/math/rounding.h"
 #include "core/math/solid_angle.h"
 #include "core/math/warp.h"
@@ -11,7 +10,7 @@
 namespace lucerna {
 namespace {
 
-/// Embree and load_four read 16 bytes for each position of 12: the last one needs room behind it.
+/// Embree and load_four read 16 bytes for each vector of 12: the last one needs room behind it.
 constexpr std::size_t padding = 1;
 
 /// Embree drops primitives that reach further without a word.
@@ -234,10 +233,11 @@ Vector2 Mesh::uv_at(const Triangle& t, Vector3 b) const {
 }
 
 /// The interpolated normal; `n` itself where that is none or points to the other side.
-Vector3 Mesh::shading_normal(const Triangle& t, Vector3 b, Vector3 n) const {
+inline Vector3 Mesh::shading_normal(const Triangle& t, Vector3 b, Vector3 n) const {
     if (!vertices_.has_normals()) return n;
-    const Vector3 ns = glm::normalize(b.x * vertices_.normal(t.a0) + b.y * vertices_.normal(t.a1) +
-                                      b.z * vertices_.normal(t.a2));
+    const FourFloats sum =
+        b.x * vertices_.normal(t.a0) + b.y * vertices_.normal(t.a1) + b.z * vertices_.normal(t.a2);
+    const Vector3 ns = to_vector3(sum * (1 / std::sqrt(dot(sum, sum))));
     return glm::dot(ns, n) > 0 ? ns : n;
 }
 

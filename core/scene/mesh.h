@@ -11,6 +11,7 @@
 #pragma once
 
 #include "core/interfaces/shape.h"
+#include "core/math/four_floats.h"
 #include "core/scene/huge_pages.h"
 
 #include <string>
@@ -51,13 +52,13 @@ public:
     bool has_uvs() const { return uv_ != 0; }
     VertexPositions positions() const { return {at(0), count_, stride_}; }
 
-    /// Of the vertex that begins at `v`; the latter two only if there are any.
+    /// Where vertex `i` begins, and its normal and texture coordinates, if there are any. Of the
+    /// normal the fourth number means nothing.
     const float* at(std::uint32_t i) const {
         // Vertices do not end where lines do: all lines are one array of floats.
         return reinterpret_cast<const float*>(lines_.data()) + i * std::size_t{stride_};
     }
-    static Vector3 position(const float* v) { return {v[0], v[1], v[2]}; }
-    Vector3 normal(const float* v) const { return position(v + normal_); }
+    FourFloats normal(const float* v) const { return load_four(v + normal_); }
     Vector2 uv(const float* v) const { return {v[uv_], v[uv_ + 1]}; }
 
 private:
