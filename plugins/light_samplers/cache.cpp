@@ -2,17 +2,20 @@
 /// cache: regions of the scene remember which lights matter around them.
 ///
 /// Before rendering, paths from the camera find where lights will be sampled. These points fall
-/// into cells (cell_grid.h); each cell learns with shadow rays which lights reach it and keeps the
-/// K best, with their visibility v, and the share α of draws that the rest is worth
-/// (light_cells.h). At a point x in cell c with the list S, contributions u_l(x) without shadows
-/// (light_lanes.h), and P_tree of a light tree over all lights,
+/// into cells (cell_grid.h); each cell learns with shadow rays which lights reach it, and remembers
+/// near lights N, far lights F and clusters C of lights, with the trust w in their visibility
+/// (light_cells.h). At a point x of the cell, with contributions u(x) without shadows
+/// (light_lanes.h) and their means f over the cell,
 ///
-///   P(l | x) = (1 − α) v_l u_l(x) / Σ_S v u    for l in S,      α P_tree(l | x)    else
+///   W P(l | x) = (1 − α) w_l u_l(x)  for l in N,      W = Σ_N w u(x) + Σ_F w f + Σ_C w f
+///                (1 − α) w_l f_l     for l in F,
+///                (1 − α) w_c f_c P_tree(l | x, c)  for l in the cluster c,      α W P_tree(l | x)  else
 ///
-/// A light of S that the tree draws is not used: S is the list's. Where no cell is known, the tree
-/// draws alone. Every light that can contribute has a probability, so no shadow ray that missed
-/// biases an image. Lights at infinity are an entry of the list. The cell is that of a point up to
-/// half a cell beside x, chosen by a hash of x, so that borders of cells do not show.
+/// A light that the cell remembers and the tree draws is not used: it is the lists'. Where no cell
+/// is known, the tree draws alone. Every light that can contribute has a probability, so no shadow
+/// ray that missed biases an image. Lights at infinity are an entry of the lists. The cell is that
+/// of a point up to half a cell beside x, chosen by a hash of x, so that borders of cells do not
+/// show.
 #include "core/interfaces/light_sampler.h"
 #include "plugins/light_samplers/cell_grid.h"
 #include "plugins/light_samplers/fine_bits.h"

@@ -31,7 +31,7 @@ struct CachePointOptions {
     std::size_t candidates = 1024;  ///< that a point considers
     std::size_t rays = 512;         ///< shadow rays of a point
     float coverage = 0.97f;         ///< of the irradiance, by a list
-    float floor = 0.1f;             ///< of the learnt visibility
+    float floor = 0.05f;             ///< of the learnt visibility
     bool has_tail = true;
     float least_tail = 0.1f;  ///< share of draws of the tree
     PilotPaths pilots;
@@ -136,7 +136,7 @@ inline CachePoint make_cache_point(const Scene& scene, const SceneLights& lights
             near.push_back(c);
             continue;
         }
-        const float irradiance = c.mean * std::max(c.visibility(), options.floor);
+        const float irradiance = c.mean * assumed_visibility(c.visibility(), options.floor);
         for (std::size_t axis = 0; axis < CachePoint::axes; ++axis) {
             const float along = to[static_cast<int>(axis / 2)] * (axis % 2 == 0 ? 1.0f : -1.0f);
             // Light from a large light comes from around the direction to its middle.

@@ -56,7 +56,7 @@ inline void Candidates::learn_priors() {
         sums[c.group].rays += c.rays + c.lent_rays;
         sums[c.group].arrived += c.arrived + c.lent_arrived;
     }
-    for (std::size_t i = sums.size(); --i > 0;) {
+    for (std::size_t i = sums.size(); i-- > 1;) {
         sums[parents[i]].rays += sums[i].rays;
         sums[parents[i]].arrived += sums[i].arrived;
     }

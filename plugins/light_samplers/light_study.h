@@ -80,17 +80,13 @@ public:
     /// The lights that may matter most, with what `rays` shadow rays tell of them.
     Candidates candidates(std::size_t count, std::size_t rays) {
         find_candidates(count, false);
-        weigh_candidates();
-        trace_rounds(rays);
-        return std::move(candidates_);
+        return learn(rays);
     }
     /// About `count` lights and clusters that hold all lights which can reach the region; in
     /// scenes of few lights, `count` of them.
     Candidates cut(std::size_t count, std::size_t rays) {
         find_candidates(count, true);
-        weigh_candidates();
-        trace_rounds(rays);
-        return std::move(candidates_);
+        return learn(rays);
     }
 
     /// What each lane of `SceneLights::every` contributes where nothing is in between, mean over
@@ -116,6 +112,11 @@ private:
                                     : lights_.tree.lane_of_node(candidate.cluster);
     }
     void choose_from_all(std::size_t count);
+    Candidates learn(std::size_t rays) {
+        weigh_candidates();
+        trace_rounds(rays);
+        return std::move(candidates_);
+    }
     void weigh_candidates();
     void trace(std::size_t candidate);
     void trace_rounds(std::size_t rays);
@@ -329,7 +330,6 @@ inline void LightStudy::trace(std::size_t i) {
 }
 
 inline void LightStudy::trace_rounds(std::size_t left) {
-    if (candidates_.all.empty()) return;
     const std::size_t first = std::min(candidates_.all.size(), left / 3);  // best first
     for (std::size_t i = 0; i < first; ++i) trace(i);
     left -= first;
@@ -345,7 +345,7 @@ inline void LightStudy::trace_rounds(std::size_t left) {
                 static_cast<double>(c.mean * std::sqrt(c.visibility() / (1 + c.rays))));
             total += wanted.back();
         }
-        if (!(total > 0)) return;
+        if (!(total > 0)) break;
         const std::size_t rays = left / rounds;
         double owed = rng_.next_double();
         for (std::size_t i = 0; i < candidates_.all.size(); ++i) {
