@@ -7,9 +7,10 @@
 /// (light_cells.h). At a point x of the cell, with contributions u(x) without shadows
 /// (light_lanes.h) and their means f over the cell,
 ///
-///   W P(l | x) = (1 − α) w_l u_l(x)  for l in N,      W = Σ_N w u(x) + Σ_F w f + Σ_C w f
-///                (1 − α) w_l f_l     for l in F,
-///                (1 − α) w_c f_c P_tree(l | x, c)  for l in the cluster c,      α W P_tree(l | x)  else
+///   W P(l | x) = (1 − α) w_l u_l(x)                 l in N,     W = Σ_N w u(x) + Σ_F w f + Σ_C w f
+///                (1 − α) w_l f_l                    l in F
+///                (1 − α) w_c f_c P_tree(l | x, c)   l in a cluster c of C
+///                α W P_tree(l | x)                  l anywhere else
 ///
 /// A light that the cell remembers and the tree draws is not used: it is the lists'. Where no cell
 /// is known, the tree draws alone. Every light that can contribute has a probability, so no shadow

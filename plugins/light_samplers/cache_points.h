@@ -31,7 +31,7 @@ struct CachePointOptions {
     std::size_t candidates = 1024;  ///< that a point considers
     std::size_t rays = 512;         ///< shadow rays of a point
     float coverage = 0.97f;         ///< of the irradiance, by a list
-    float floor = 0.05f;             ///< of the learnt visibility
+    float floor = 0.05f;            ///< of the learnt visibility
     bool has_tail = true;
     float least_tail = 0.1f;  ///< share of draws of the tree
     PilotPaths pilots;
