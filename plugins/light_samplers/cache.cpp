@@ -109,7 +109,7 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
     options_.lent_rays = params.real("lent_rays", 4, non_negative,
                                      "shadow rays that what the cells around have learnt of a "
                                      "light counts for");
-    options_.tail = params.real("tail_share", 0.02, {.min = 1e-3, .max = 0.9},
+    options_.tail = params.real("tail_share", 0.01, {.min = 1e-3, .max = 0.9},
                                 "share of draws for the lights that a cell does not remember");
     pilots_.count = count("paths", 1 << 17, 1 << 24,
                           "most paths from the camera that find cells; one for two pixels");

@@ -21,7 +21,7 @@ struct CellOptions {
     float rays_per_candidate = 1;  ///< shadow rays
     float coverage = 0.9f;         ///< of what the candidates bring, by the lights that are weighed
     float lent_rays = 4;           ///< that what the neighbours learnt counts for
-    float tail = 0.02f;            ///< share of draws of the tree
+    float tail = 0.01f;            ///< share of draws of the tree
     float floor = 0.003f;          ///< of the learnt visibility
 };
 

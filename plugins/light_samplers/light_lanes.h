@@ -103,8 +103,10 @@ inline void FlatLanes::copy(std::size_t i, const LightLanes& o, std::size_t k) {
 
 namespace light_lanes {
 
-/// The larger of x and, if both sides count, −x.
-[[gnu::always_inline]] inline float sided(float x, float both) { return std::max(x, both * -x); }
+/// x, or |x| if both sides count.
+[[gnu::always_inline]] inline float sided(float x, float both) {
+    return std::max(x, (1 - 2 * both) * x);
+}
 
 /// The contribution of one lane. Always inline: the loops around it are compiled for more than one
 /// instruction set.

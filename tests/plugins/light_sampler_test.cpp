@@ -140,6 +140,35 @@ std::string small_city(int lights) {
            "<integer name='height' value='180'/></film></sensor>";
 }
 
+TEST(LightLanes, AreZeroOnlyWhereNothingCanArrive) {
+    // A cluster over the origin, or below it, whose lights look up or down, within 25 degrees.
+    const auto at_origin = [](float height, float up, bool two_sided, Sides sides) {
+        const Vector3 half(0.2f, 0.1f, 0.1f), middle(0.3f, 0, height);
+        const LightCluster cluster{.box = {middle - half, middle + half},
+                                   .axis = {0, 0, up},
+                                   .cos_normals = 0.9f,
+                                   .cos_emission = 0,
+                                   .power = 1,
+                                   .two_sided = two_sided};
+        LightLanes lanes;
+        lanes.set(3, cluster, -1);
+        float result[LightLanes::width];
+        contributions(lanes, LitPoint(Receiver{.n = {0, 0, 1}, .ns = {0, 0, 1}, .sides = sides}),
+                      result);
+        return result[3];
+    };
+    for (const bool two_sided : {false, true}) {
+        EXPECT_GT(at_origin(2, -1, two_sided, Sides::front), 0);
+        EXPECT_EQ(at_origin(-2, 1, two_sided, Sides::front), 0);
+        EXPECT_GT(at_origin(-2, 1, two_sided, Sides::back), 0);
+        EXPECT_GT(at_origin(-2, 1, two_sided, Sides::both), 0);
+        // Across the horizon
+        EXPECT_GT(at_origin(-0.05f, 1, two_sided, Sides::front), 0);
+    }
+    EXPECT_EQ(at_origin(2, 1, false, Sides::both), 0);
+    EXPECT_GT(at_origin(2, 1, true, Sides::both), 0);
+}
+
 class CacheSampler : public testing::TestWithParam<int> {};
 
 INSTANTIATE_TEST_SUITE_P(RemembersAll, CacheSampler, testing::Values(0, 8192));
