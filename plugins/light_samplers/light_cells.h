@@ -5,7 +5,7 @@
 /// each point, at most K, until they bring a given part of what all candidates do; the others, and
 /// clusters of lights, are weighed once. What a cell learnt of a candidate with its own few rays is
 /// joined with what its neighbours learnt of it. In scenes of some thousand lights a cell remembers
-/// all of them, those without a ray at the visibility that is usual around; in larger ones a cut
+/// all of them, those without a ray at the visibility that is usual there; in larger ones a cut
 /// through the light tree. Only lights that can reach none of the points that were studied are left
 /// to a draw from the tree.
 #pragma once
@@ -100,19 +100,21 @@ inline void CellBuilder::keep_best(Candidates& candidates, const FarLights& othe
             near.push_back(c);
             sum += value;
         }
-        if (!c.is_light())
+        if (!c.is_light()) {
             clusters.emplace_back(c.cluster, weight);
-        else if (!weights.empty())
+        } else if (!weights.empty()) {
             weights[c.light] = weight;
-        else
+        } else {
             far.emplace_back(c.light, weight);
+        }
     }
     cell.near = NearLights(near, lights_.tree, options_.floor);
     cell.clusters.assign(std::move(clusters));
-    if (weights.empty())
+    if (weights.empty()) {
         cell.far.assign(std::move(far));
-    else
+    } else {
         cell.far.assign(weights);
+    }
 }
 
 /// What lights contribute where nothing is in between, if a study has asked all of them.
