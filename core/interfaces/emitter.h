@@ -6,6 +6,7 @@
 /// table; light samplers speak of indices into it. World space; radiance in W/(m² sr).
 #pragma once
 
+#include "core/interfaces/lanes.h"
 #include "core/interfaces/samples.h"
 #include "core/interfaces/texture.h"
 #include "core/math/bounds.h"
@@ -56,6 +57,14 @@ public:
     /// A particle that leaves the light; u_position and u_direction in [0, 1)².
     virtual std::optional<EmissionSample> sample_emission(const Light& light, Vector2 u_position,
                                                           Vector2 u_direction) const = 0;
+    /// The same for the first `count` lanes. All lanes of u hold numbers of [0, 1)²; those of `out`
+    /// after `count` may be left or filled with anything. One by one unless overridden.
+    virtual void sample_emission_lanes(const Light& light, const Vector2Lanes& u_position,
+                                       const Vector2Lanes& u_direction, std::size_t count,
+                                       EmissionLanes& out) const;
+
+    /// Whether it asks for the `uv` of points that are sampled on its shape.
+    virtual bool uses_uv() const { return true; }
 
     virtual LightBounds bounds(const Light& light) const = 0;
 };

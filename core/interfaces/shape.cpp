@@ -24,6 +24,7 @@ Shape::Shape(const Params& params) {
     bsdf_ = &params.nested_or<BSDF>("diffuse", "how the surface scatters light");
     needs_tangents_ = bsdf_->uses_tangents();
     emitter_ = params.nested<Emitter>("makes the surface a light: an area emitter");
+    needs_sample_uv_ = !emitter_ || emitter_->uses_uv();
     flip_normals_ = params.boolean("flip_normals", false, "turns the normals inwards");
     require_affine(params, world_from_object_);
     if (emitter_ && !emitter_->on_surface()) {
@@ -38,6 +39,18 @@ Shape::Shape(NoSurface) {}
 Shape::~Shape() = default;
 
 std::optional<Hit> Shape::intersect(const Ray&) const { return {}; }
+
+void Shape::sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t count,
+                              SurfaceSampleLanes& out) const {
+    for (std::size_t i = 0; i < count; ++i) {
+        const SurfaceSample sample = sample_area(primitive, u[i]);
+        out.p.set(i, sample.p);
+        out.n.set(i, sample.n);
+        out.uv.set(i, sample.uv);
+        out.error[i] = sample.error;
+        out.pdf[i] = sample.pdf;
+    }
+}
 
 std::optional<SurfaceSample> Shape::sample_solid_angle(std::uint32_t primitive,
                                                        const Receiver& from, Vector2 u) const {

@@ -6,6 +6,7 @@
 /// analytic shapes bring a function that knows no Embree.
 #pragma once
 
+#include "core/interfaces/lanes.h"
 #include "core/interfaces/samples.h"
 #include "core/math/bounds.h"
 #include "core/math/solid_angle.h"
@@ -97,8 +98,13 @@ public:
     /// Number of primitives that can be sampled, each a light if the shape emits.
     virtual std::uint32_t primitive_count() const { return 1; }
     virtual float area(std::uint32_t primitive) const = 0;
-    /// Uniform by area: pdf is 1 / area(primitive). u in [0, 1)².
+    /// Uniform by area: pdf is 1 / area(primitive). u in [0, 1)². Unless `needs_sample_uv`, uv may
+    /// be left out of this and all other samples.
     virtual SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const = 0;
+    /// The same for the first `count` lanes. All lanes of u hold numbers of [0, 1)²; those of `out`
+    /// after `count` may be left or filled with anything. One by one unless overridden.
+    virtual void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u,
+                                   std::size_t count, SurfaceSampleLanes& out) const;
     /// A point seen from `from`, with its density per solid angle. By area unless overridden.
     /// Empty: the primitive cannot be seen from there, or its density is not finite.
     virtual std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive,
@@ -137,6 +143,8 @@ protected:
     bool flip_normals() const { return flip_normals_; }
     /// Whether the BSDF asks for them.
     bool needs_tangents() const { return needs_tangents_; }
+    /// Whether the emitter, if there is one, asks for the uv of samples.
+    bool needs_sample_uv() const { return needs_sample_uv_; }
 
 private:
     friend class Scene;
@@ -147,6 +155,7 @@ private:
     std::uint32_t scene_index_ = PrimitiveId::none;
     bool flip_normals_ = false;
     bool needs_tangents_ = false;
+    bool needs_sample_uv_ = true;
     Transform world_from_object_;
 };
 

@@ -12,6 +12,18 @@ namespace lucerna {
 
 namespace {
 
+/// Rays from points on a surface.
+LUCERNA_VECTORIZED void leave_surface(const SurfaceSampleLanes& __restrict at,
+                                      const Vector2Lanes& __restrict u,
+                                      EmissionLanes& __restrict out) {
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const Vector3 n = at.n[i];
+        const Vector3 w = Frame::from_normal(n).to_world(square_to_cosine_hemisphere(u[i]));
+        out.o.set(i, offset_ray_origin(at.p[i], at.error[i], n, w));
+        out.d.set(i, w);
+    }
+}
+
 class AreaEmitter final : public Emitter {
 public:
     explicit AreaEmitter(const Params& params)
@@ -21,6 +33,7 @@ public:
     }
 
     bool on_surface() const override { return true; }
+    bool uses_uv() const override { return radiance_.texture != nullptr; }
 
     Color radiance(const Interaction& at, Vector3 w) const override {
         return glm::dot(at.n, w) > 0 ? radiance_(at.uv) : Color(0);
@@ -61,6 +74,18 @@ public:
                               .power = radiance_(at.uv) * (pi / at.pdf),
                               .pdf_position = at.pdf,
                               .pdf_direction = square_to_cosine_hemisphere_pdf(local)};
+    }
+
+    void sample_emission_lanes(const Light& light, const Vector2Lanes& u_position,
+                               const Vector2Lanes& u_direction, std::size_t count,
+                               EmissionLanes& out) const override {
+        SurfaceSampleLanes at;
+        light.shape->sample_area_lanes(light.primitive, u_position, count, at);
+        leave_surface(at, u_direction, out);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Color radiance = radiance_.texture ? radiance_(at.uv[i]) : radiance_.constant;
+            out.power.set(i, at.pdf[i] > 0 ? radiance * (pi / at.pdf[i]) : Color(0));
+        }
     }
 
     LightBounds bounds(const Light& light) const override {

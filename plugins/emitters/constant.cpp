@@ -11,6 +11,18 @@ namespace lucerna {
 
 namespace {
 
+/// Rays through the scene from all sides.
+LUCERNA_VECTORIZED void enter_sphere(const SceneSphere& __restrict sphere,
+                                     const Vector2Lanes& __restrict u_position,
+                                     const Vector2Lanes& __restrict u_direction,
+                                     EmissionLanes& __restrict out) {
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const Vector3 w = square_to_uniform_sphere(u_direction[i]);
+        out.o.set(i, sphere.ray_origin(w, u_position[i]));
+        out.d.set(i, w);
+    }
+}
+
 class ConstantEmitter final : public Emitter {
 public:
     explicit ConstantEmitter(const Params& params)
@@ -48,6 +60,14 @@ public:
                               .power = radiance_ * (4 * pi * area),
                               .pdf_position = 1 / area,
                               .pdf_direction = square_to_uniform_sphere_pdf(w)};
+    }
+
+    void sample_emission_lanes(const Light&, const Vector2Lanes& u_position,
+                               const Vector2Lanes& u_direction, std::size_t count,
+                               EmissionLanes& out) const override {
+        enter_sphere(sphere_, u_position, u_direction, out);
+        const Color power = radiance_ * (4 * pi * sphere_.cross_section());
+        for (std::size_t i = 0; i < count; ++i) out.power.set(i, power);
     }
 
     LightBounds bounds(const Light&) const override {

@@ -10,6 +10,16 @@ namespace lucerna {
 
 namespace {
 
+/// Parallel rays through the scene.
+LUCERNA_VECTORIZED void enter_sphere(const SceneSphere& __restrict sphere, Vector3 d,
+                                     const Vector2Lanes& __restrict u_position,
+                                     EmissionLanes& __restrict out) {
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        out.o.set(i, sphere.ray_origin(d, u_position[i]));
+        out.d.set(i, d);
+    }
+}
+
 class DirectionalEmitter final : public Emitter {
 public:
     explicit DirectionalEmitter(const Params& params)
@@ -56,6 +66,13 @@ public:
                               .power = irradiance_ * area,
                               .pdf_position = 1 / area,
                               .pdf_direction = 1};
+    }
+
+    void sample_emission_lanes(const Light&, const Vector2Lanes& u_position, const Vector2Lanes&,
+                               std::size_t count, EmissionLanes& out) const override {
+        enter_sphere(sphere_, direction_, u_position, out);
+        const Color power = irradiance_ * sphere_.cross_section();
+        for (std::size_t i = 0; i < count; ++i) out.power.set(i, power);
     }
 
     LightBounds bounds(const Light&) const override {

@@ -16,6 +16,35 @@
 namespace lucerna {
 namespace {
 
+/// What sampled points of a sphere are made of.
+struct Ball {
+    Vector3d center{0};
+    double radius = 1;
+    double magnitude = 1;  ///< of coordinates
+    float side = 1;        ///< −1: normals point to the center
+
+    /// The point with the outward normal `n`, a unit vector up to floats' rounding, without uv or
+    /// density.
+    SurfaceSample point(Vector3d n) const {
+        n *= 1.5 - 0.5 * glm::dot(n, n);  // one step of Newton's to 1 / |n|: from 1e-6 to 1e-12
+        const Vector3 p(center + radius * n);
+        return {.p = p, .n = side * Vector3(n), .error = rounding_error(p, magnitude)};
+    }
+};
+
+/// Points that are uniform by area.
+LUCERNA_VECTORIZED void sample_ball(const Ball& __restrict ball, float pdf,
+                                    const Vector2Lanes& __restrict u,
+                                    SurfaceSampleLanes& __restrict out) {
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const SurfaceSample at = ball.point(Vector3d(square_to_uniform_sphere(u[i])));
+        out.p.set(i, at.p);
+        out.n.set(i, at.n);
+        out.error[i] = at.error;
+        out.pdf[i] = pdf;
+    }
+}
+
 class SphereShape final : public Shape {
 public:
     explicit SphereShape(const Params& params) : Shape(params) {
@@ -25,13 +54,16 @@ public:
         center_ = Vector3(world_from_object().point(center));
         radius_ = static_cast<float>(scale * radius);
         world_from_local_ = Matrix3d(world_from_object().matrix()) / scale;
+        ball_ = {.center = Vector3d(center_),
+                 .radius = static_cast<double>(radius_),
+                 .magnitude = static_cast<double>(max_component(absolute(center_)) + radius_),
+                 .side = flip_normals() ? -1.0f : 1.0f};
     }
 
     Geometry geometry() const override { return AnalyticGeometry{bounds()}; }
 
     Bounds3 bounds() const override {
-        const Vector3d c(center_), r(radius_);
-        return bounds_around(c - r, c + r);
+        return bounds_around(ball_.center - ball_.radius, ball_.center + ball_.radius);
     }
 
     std::optional<Hit> intersect(const Ray& ray) const override {
@@ -45,19 +77,18 @@ public:
     void fill(const Ray& ray, const Hit& hit, Interaction& at) const override {
         const std::optional<Roots> roots = meet(ray);
         const double t = roots ? roots->nearest(hit.t) : hit.t;
-        const Vector3d n =
-            glm::normalize(Vector3d(ray.o) + t * Vector3d(ray.d) - Vector3d(center_));
-        const SurfaceSample point = point_with_normal(n);
+        const Vector3d n = glm::normalize(Vector3d(ray.o) + t * Vector3d(ray.d) - ball_.center);
+        const SurfaceSample point = ball_.point(n);
         at.p = point.p;
         at.error = point.error;
         at.n = point.n;
-        at.uv = point.uv;
+        at.uv = uv_at(n);
         if (!needs_tangents()) {
             at.shading = Frame::from_normal(at.n);
             return;
         }
         const Vector3d local = n * world_from_local_;
-        const double rho = std::hypot(local.x, local.y), r = radius_ * std::numbers::pi;
+        const double rho = std::hypot(local.x, local.y), r = ball_.radius * std::numbers::pi;
         const Vector2d around = rho > 0 ? Vector2d(local) / rho : Vector2d(1, 0);
         at.dpdu = Vector3(world_from_local_ * Vector3d(-2 * r * local.y, 2 * r * local.x, 0));
         at.dpdv = Vector3(world_from_local_ * Vector3d(-r * local.z * around, r * rho));
@@ -67,16 +98,22 @@ public:
     float area(std::uint32_t) const override { return 4 * pi * radius_ * radius_; }
 
     SurfaceSample sample_area(std::uint32_t, Vector2 u) const override {
-        SurfaceSample sample = point_with_normal(Vector3d(square_to_uniform_sphere(u)));
+        SurfaceSample sample = sample_with_normal(square_to_uniform_sphere(u));
         sample.pdf = 1 / area(0);
         return sample;
+    }
+
+    void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t count,
+                           SurfaceSampleLanes& out) const override {
+        if (needs_sample_uv()) return Shape::sample_area_lanes(primitive, u, count, out);
+        sample_ball(ball_, 1 / area(0), u, out);
     }
 
     std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,
                                                     Vector2 u) const override {
         const std::optional<SphereCone> cone = seen_from(from);
         if (!cone) return Shape::sample_solid_angle(primitive, from, u);
-        SurfaceSample sample = point_with_normal(Vector3d(cone->sample(Vector2d(u)).normal));
+        SurfaceSample sample = sample_with_normal(Vector3(cone->sample(Vector2d(u)).normal));
         sample.pdf = cone->pdf();
         if (!std::isfinite(sample.pdf)) return {};
         return sample;
@@ -94,35 +131,35 @@ private:
     /// the side of a rounded point says nothing. Else half of the points on the inside of a sphere
     /// would look for light on the outside.
     std::optional<SphereCone> seen_from(const Receiver& from) const {
-        const double distance = glm::length(Vector3d(from.p) - Vector3d(center_));
-        if (distance <= static_cast<double>(radius_) + 4 * static_cast<double>(from.error)) {
+        const double distance = glm::length(Vector3d(from.p) - ball_.center);
+        if (distance <= ball_.radius + 4 * static_cast<double>(from.error)) {
             return {};
         }
         return SphereCone::from(from.p, center_, radius_);
     }
 
     std::optional<Roots> meet(const Ray& ray) const {
-        return meet_round(Vector3d(ray.o) - Vector3d(center_), Vector3d(ray.d), radius_);
+        return meet_round(Vector3d(ray.o) - ball_.center, Vector3d(ray.d), ball_.radius);
     }
 
-    /// The point with the outward normal `n`, a unit vector up to floats' rounding, without a
-    /// density.
-    SurfaceSample point_with_normal(Vector3d n) const {
-        n *= 1.5 - 0.5 * glm::dot(n, n);  // one step of Newton's to 1 / |n|: from 1e-6 to 1e-12
+    /// The point with the outward normal `n`, without a density.
+    SurfaceSample sample_with_normal(Vector3 n) const {
+        SurfaceSample sample = ball_.point(Vector3d(n));
+        if (needs_sample_uv()) sample.uv = uv_at(Vector3d(n));
+        return sample;
+    }
+
+    Vector2 uv_at(Vector3d n) const {
         const Vector3 local(n * world_from_local_);
         const float rho = std::sqrt(sqr(local.x) + sqr(local.y));
         const FourFloats angles =
             angles_of(FourFloats{local.x, -local.z}, FourFloats{local.y, rho});
-        const Vector3 p(Vector3d(center_) + static_cast<double>(radius_) * n);
-        return {.p = p,
-                .n = Vector3(flip_normals() ? -n : n),
-                .uv = {turn_of(angles[0]), angles[1] * inv_pi},
-                .error = rounding_error(p, max_component(absolute(center_)) + radius_),
-                .pdf = 0};
+        return {turn_of(angles[0]), angles[1] * inv_pi};
     }
 
     Vector3 center_;
     float radius_;
+    Ball ball_;                  ///< the same in double
     Matrix3d world_from_local_;  ///< a rotation, perhaps with a mirror: local is the unit sphere
 };
 

@@ -283,6 +283,48 @@ TEST_F(Emitters, EmissionCarriesThePowerOfTheBounds) {
     }
 }
 
+TEST_F(Emitters, EmissionOfManyLanesIsThatOfEach) {
+    const std::string picture = emitter("area", "<texture name='radiance' type='bitmap'>" +
+                                                    word("filename", "half.png") + "</texture>");
+    const std::string place = to_world("<rotate x='1' angle='20'/><translate x='3' y='-1'/>");
+    std::vector<std::string> cases = {ball + emitter("point"), ball + emitter("spot"),
+                                      ball + emitter("directional"), ball + emitter("constant"),
+                                      ball + emitter("envmap", word("filename", "noise.exr"))};
+    for (const char* type : {"sphere", "disk", "cylinder", "rectangle", "cube"}) {
+        for (const std::string& light : {glow, picture}) {
+            cases.push_back(shape(type, light + place));
+            cases.push_back(shape(type, light + place +
+                                            "<boolean name='flip_normals' "
+                                            "value='true'/>"));
+        }
+    }
+    for (const std::string& xml : cases) {
+        SCOPED_TRACE(xml);
+        const Scene& s = scene(xml);
+        Rng rng(7);
+        for (std::size_t count = 1; count <= lane_count; ++count) {
+            const Light& light = s.lights()[rng.next_uint() % s.lights().size()];
+            Vector2Lanes u{}, v{};
+            for (std::size_t i = 0; i < count; ++i) {
+                u.set(i, rng.next_float2());
+                v.set(i, rng.next_float2());
+            }
+            EmissionLanes lanes;
+            light.emitter->sample_emission_lanes(light, u, v, count, lanes);
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto one = light.emitter->sample_emission(light, u[i], v[i]);
+                if (!one) {
+                    EXPECT_TRUE(is_black(lanes.power[i]));
+                    continue;
+                }
+                EXPECT_EQ(lanes.power[i], one->power);
+                EXPECT_EQ(lanes.o[i], one->ray.o);
+                EXPECT_EQ(lanes.d[i], one->ray.d);
+            }
+        }
+    }
+}
+
 TEST_F(Emitters, EmissionStaysInsideTheBounds) {
     for (const std::string& xml :
          {shape("sphere", glow), shape("cube", glow + to_world("<rotate x='1' angle='20'/>")),

@@ -279,6 +279,28 @@ TEST_F(Shapes, B8_B11_points_are_on_the_surface_within_their_error) {
     }
 }
 
+TEST_F(Shapes, samples_of_many_lanes_are_those_of_each) {
+    for (const Case& c : cases) {
+        SCOPED_TRACE(c.xml);
+        Rng rng(4);
+        for (std::size_t count = 1; count <= lane_count; ++count) {
+            const auto primitive = rng.next_uint() % c.shape().primitive_count();
+            Vector2Lanes u{};
+            for (std::size_t i = 0; i < count; ++i) u.set(i, rng.next_float2());
+            SurfaceSampleLanes lanes;
+            c.shape().sample_area_lanes(primitive, u, count, lanes);
+            for (std::size_t i = 0; i < count; ++i) {
+                const SurfaceSample one = c.shape().sample_area(primitive, u[i]);
+                EXPECT_EQ(lanes.p[i], one.p);
+                EXPECT_EQ(lanes.n[i], one.n);
+                EXPECT_EQ(lanes.uv[i], one.uv);
+                EXPECT_EQ(lanes.error[i], one.error);
+                EXPECT_EQ(lanes.pdf[i], one.pdf);
+            }
+        }
+    }
+}
+
 TEST_F(Shapes, I2_normals_of_closed_shapes_point_outside_also_when_mirrored) {
     for (const Case& c : cases) {
         if (c.xml.find("city") != std::string::npos) continue;
