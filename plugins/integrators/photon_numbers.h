@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The random numbers that decide the path of a photon.
+/// The random numbers that decide the paths of photons.
 #pragma once
 
 #include "core/math/sequences.h"
 
 #include <array>
-#include <cstring>
 
 namespace lucerna {
 
@@ -17,20 +16,25 @@ public:
     /// Four pairs of coordinates: 32-bit fractions, the first in the upper half of a word.
     using Point = std::array<std::uint64_t, 4>;
 
-    static Point point(std::uint32_t index) {
-        TwoWords pairs[2]{};  // whole registers
-        for (std::size_t part = 0; part < parts.size(); ++part) {
-            TwoWords more[2];
-            static_assert(sizeof more == sizeof(Point));
-            std::memcpy(more, parts[part][(index >> (4 * part)) & 15].data(), sizeof more);
-            for (std::size_t i = 0; i < 2; ++i) pairs[i] ^= more[i];
+    /// A point is the sum of what all indices of a block of 16 have in common and of what only the
+    /// last four bits decide.
+    static constexpr std::uint32_t block_size = 16;
+    static Point block(std::uint32_t index) {
+        Point sum{};
+        for (std::size_t part = 1; part < parts.size(); ++part) {
+            sum = sum_of(sum, parts[part][(index >> (4 * part)) & 15]);
         }
-        return {pairs[0][0], pairs[0][1], pairs[1][0], pairs[1][1]};
+        return sum;
+    }
+    static const Point& within_block(std::uint32_t index) { return parts[0][index % block_size]; }
+
+    /// Addition without carry.
+    static Point sum_of(const Point& a, const Point& b) {
+        return {a[0] ^ b[0], a[1] ^ b[1], a[2] ^ b[2], a[3] ^ b[3]};
     }
 
 private:
     static constexpr std::size_t dimensions = 8;
-    using TwoWords = std::uint64_t __attribute__((vector_size(16)));
     using Parts = std::array<std::array<Point, 16>, 8>;
 
     /// A primitive polynomial over GF(2), its inner coefficients as bits, and the first numbers.
@@ -88,7 +92,7 @@ private:
 
 inline constexpr SobolTable::Parts SobolTable::parts = SobolTable::make_parts();
 
-/// The numbers of photon `index` among those of one light in one pass, `key` being a hash of both.
+/// The numbers of one photon.
 ///
 /// A randomly shifted Sobol' point decides where it leaves the light and how it is first scattered
 /// (digital shift: Cranley and Patterson 1976 carried to base 2). From then on numbers are
@@ -96,43 +100,62 @@ inline constexpr SobolTable::Parts SobolTable::parts = SobolTable::make_parts();
 /// by then roulette and geometry have parted neighbours.
 class PhotonNumbers {
 public:
-    PhotonNumbers(std::uint64_t key, std::uint64_t index)
-        : point_(SobolTable::point(static_cast<std::uint32_t>(index))),
-          shift_(mix64(key + (index >> 32))),
-          state_(hash_combine(key, index)) {}
+    PhotonNumbers() = default;
+    PhotonNumbers(const SobolTable::Point& point, std::uint64_t state)
+        : point_(point), state_(state) {}
 
     /// The first two dimensions, which are distributed best: a (0, 2)-sequence.
-    Vector2 direction() const { return pair(0); }
-    Vector2 position() const { return pair(1); }
+    Vector2 direction() const { return halves(point_[0]); }
+    Vector2 position() const { return halves(point_[1]); }
 
     struct Scattering {
         float lobe, survival;
         Vector2 direction;
     };
-    /// For the next surface.
-    Scattering scattering() {
-        if (!scattered_) {
-            scattered_ = true;
-            const Vector2 u = pair(3);
-            return {u.x, u.y, pair(2)};
-        }
-        const Vector2 u = independent();
-        return {u.x, u.y, independent()};
+    /// For the surface that it meets as the first, second … one.
+    Scattering scattering(bool first) {
+        const Vector2 u = first ? halves(point_[3]) : independent();
+        return {u.x, u.y, first ? halves(point_[2]) : independent()};
     }
 
-private:
     static constexpr std::uint64_t step = 0x9e3779b97f4a7c15u;  // 2⁶⁴ / golden ratio
 
+private:
     static Vector2 halves(std::uint64_t bits) {
         return {uint_to_float(static_cast<std::uint32_t>(bits >> 32)),
                 uint_to_float(static_cast<std::uint32_t>(bits))};
     }
-    Vector2 pair(std::size_t i) const { return halves(point_[i] ^ mix64(shift_ + i * step)); }
     Vector2 independent() { return halves(mix64(state_ += step)); }
 
-    SobolTable::Point point_;
-    std::uint64_t shift_, state_;
-    bool scattered_ = false;
+    SobolTable::Point point_{};
+    std::uint64_t state_ = 0;
+};
+
+/// The photons of one light in one pass, `key` being a hash of both; fastest if their indices grow
+/// one by one.
+class PhotonSequence {
+public:
+    explicit PhotonSequence(std::uint64_t key) : key_(key) {}
+
+    PhotonNumbers photon(std::uint64_t index) {
+        if (index / SobolTable::block_size != block_) set_block(index);
+        const auto& rest = SobolTable::within_block(static_cast<std::uint32_t>(index));
+        return {SobolTable::sum_of(common_, rest), hash_combine(key_, index)};
+    }
+
+private:
+    void set_block(std::uint64_t index) {
+        block_ = index / SobolTable::block_size;
+        const std::uint64_t shift = mix64(key_ + (index >> 32));
+        common_ = SobolTable::block(static_cast<std::uint32_t>(index));
+        for (std::size_t i = 0; i < common_.size(); ++i) {
+            common_[i] ^= mix64(shift + i * PhotonNumbers::step);
+        }
+    }
+
+    std::uint64_t key_;
+    std::uint64_t block_ = ~std::uint64_t{0};
+    SobolTable::Point common_{};  ///< of the block, shifted
 };
 
 }  // namespace lucerna

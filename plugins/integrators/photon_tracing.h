@@ -75,44 +75,48 @@ struct PhotonEnergy {
 };
 
 /// Shares photons among the lights by systematic sampling: of n photons each light with the
-/// fraction p of the power emits ⌊n p⌋ or ⌈n p⌉, n p on average.
+/// fraction p of the power emits ⌊n p⌋ or ⌈n p⌉, n p on average. They are numbered light by light.
 class PhotonEmission {
 public:
     explicit PhotonEmission(const Scene& scene) {
+        double total = 0;
         cdf_.reserve(scene.lights().size() + 1);
+        cdf_.push_back(0);
         for (const Light& light : scene.lights()) {
-            cdf_.push_back(total_);
-            total_ += light.emitter->bounds(light).power;
+            total += light.emitter->bounds(light).power;
+            cdf_.push_back(total);
         }
-        cdf_.push_back(total_);
-        for (double& x : cdf_) x = total_ > 0 ? x / total_ : 0;
+        for (double& x : cdf_) x = total > 0 ? x / total : 0;
+        // Rounding must not give a photon to lights without power that come last.
+        while (cdf_.size() > 1 && cdf_[cdf_.size() - 2] == cdf_.back()) cdf_.pop_back();
     }
 
     /// No light has power.
-    bool dark() const { return !(total_ > 0); }
+    bool dark() const { return cdf_.size() == 1; }
 
     struct Choice {
         std::uint32_t light;
-        std::uint64_t index;  ///< of the photon among those of its light
         double pmf;           ///< expected share of the photons
+        std::uint64_t index;  ///< of the photon among those of its light
+        std::uint64_t left;   ///< photons that the light has still to emit, with this one
     };
     /// For photon j of `count`; `offset` in [0, 1) is the same for all of them.
     Choice choose(std::uint64_t j, std::uint64_t count, double offset) const {
-        const double n = static_cast<double>(count);
-        const double place = std::min((static_cast<double>(j) + offset) / n, 1 - 0x1p-53);
-        const auto next = std::upper_bound(cdf_.begin(), cdf_.end() - 1, place);
-        const auto light = static_cast<std::size_t>(next - cdf_.begin()) - 1;
-        const double begin = std::max(cdf_[light] * n - offset, 0.0);
-        const auto whole = static_cast<std::uint64_t>(begin);
-        const std::uint64_t first = whole + (static_cast<double>(whole) < begin ? 1 : 0);
-        return {.light = static_cast<std::uint32_t>(light),
-                .index = j - std::min(j, first),
-                .pmf = cdf_[light + 1] - cdf_[light]};
+        const auto first = [&](double cdf) {
+            const double at = cdf * static_cast<double>(count) - offset;
+            return at > 0 ? static_cast<std::uint64_t>(std::ceil(at)) : 0;
+        };
+        const auto next = std::partition_point(cdf_.begin() + 1, cdf_.end() - 1,
+                                               [&](double cdf) { return first(cdf) <= j; });
+        const double begin = *(next - 1), end = *next;
+        return {.light = static_cast<std::uint32_t>(next - cdf_.begin() - 1),
+                .pmf = end - begin,
+                .index = j - first(begin),
+                .left = (next == cdf_.end() - 1 ? count : first(end)) - j};
     }
 
 private:
-    std::vector<double> cdf_;
-    double total_ = 0;
+    std::vector<double> cdf_;  ///< before each light, and after the last that has power
 };
 
 /// What a pass of photons is.
@@ -159,7 +163,7 @@ private:
     /// A photon under way.
     struct Flight : TracedRay {
         std::uint64_t photon = 0;
-        std::optional<PhotonNumbers> numbers;
+        PhotonNumbers numbers;
         Color power{0};
         PhotonKind kind = PhotonKind::direct;
         int depth = 0;  ///< edges so far
@@ -169,10 +173,13 @@ private:
     static float most_survival(const PhotonPass& pass, int depth) {
         return depth < pass.rr_depth ? infinity : depth < 64 ? 1.0f : 0.95f;
     }
-    bool emit(const PhotonPass& pass, std::uint64_t j, Flight& flight) const;
+    std::uint64_t emit(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end,
+                       PhotonEnergy& energy, std::vector<Flight*>& idle,
+                       std::vector<Flight*>& flying) const;
     template <typename Visit>
     bool arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy, Visit& visit) const;
     bool scatter(const Interaction& at, bool stored, float most_survival, Flight& flight) const;
+    [[noreturn]] void refuse_emission(std::uint32_t light, Vector3 at) const;
 
     const Scene& scene_;
     PhotonEmission emission_;
@@ -192,11 +199,7 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t begin, std::uint6
     rays.reserve(most);
     while (begin < end || !flying.empty()) {
         while (begin < end && !idle.empty()) {
-            Flight& flight = *idle.back();
-            if (!emit(pass, begin++, flight)) continue;
-            energy.emitted += static_cast<double>(luminance(flight.power));
-            idle.pop_back();
-            flying.push_back(&flight);
+            begin = emit(pass, begin, end, energy, idle, flying);
         }
         rays.assign(flying.begin(), flying.end());
         scene_.intersect(rays);
@@ -208,28 +211,53 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t begin, std::uint6
     }
 }
 
-/// False if the light has nothing to send.
-inline bool PhotonTracer::emit(const PhotonPass& pass, std::uint64_t j, Flight& flight) const {
-    if (pass.max_depth < 1) return false;
-    const auto choice = emission_.choose(j, pass.count, uint64_to_double(mix64(pass.key)));
+/// Lets photon `begin` and as many after it leave as one light sends together, as there are idle
+/// flights, and before `end`. Returns the first that has still to leave.
+inline std::uint64_t PhotonTracer::emit(const PhotonPass& pass, std::uint64_t begin,
+                                        std::uint64_t end, PhotonEnergy& energy,
+                                        std::vector<Flight*>& idle,
+                                        std::vector<Flight*>& flying) const {
+    if (pass.max_depth < 1) return end;
+    const auto choice = emission_.choose(begin, pass.count, uint64_to_double(mix64(pass.key)));
+    const auto count = static_cast<std::size_t>(std::min(
+        {end - begin, choice.left, std::uint64_t{idle.size()}, std::uint64_t{lane_count}}));
     const Light& light = scene_.lights()[choice.light];
-    flight.numbers.emplace(hash_combine(pass.key, choice.light), choice.index);
-    const auto emitted = light.emitter->sample_emission(light, flight.numbers->position(),
-                                                        flight.numbers->direction());
-    if (!emitted) return false;
-    flight.photon = j;
-    flight.ray = emitted->ray;
-    flight.power = emitted->power / static_cast<float>(choice.pmf);
-    flight.kind = PhotonKind::direct;
-    flight.depth = 0;
-    if (!is_finite(flight.power)) {
-        const Vector3d p = scene_.origin() + Vector3d(emitted->ray.o);
-        refuse_scene(
-            fmt::format("light number {} of the scene, at ({:g}, {:g}, {:g}), emits "
-                        "photons of a power that is not finite",
-                        choice.light, p.x, p.y, p.z));
+    PhotonSequence sequence(hash_combine(pass.key, choice.light));
+    std::array<PhotonNumbers, lane_count> numbers;
+    Vector2Lanes u_position{}, u_direction{};
+    for (std::size_t i = 0; i < count; ++i) {
+        numbers[i] = sequence.photon(choice.index + i);
+        u_position.set(i, numbers[i].position());
+        u_direction.set(i, numbers[i].direction());
     }
-    return !is_black(flight.power);
+    EmissionLanes emitted;
+    light.emitter->sample_emission_lanes(light, u_position, u_direction, count, emitted);
+    const float scale = 1 / static_cast<float>(choice.pmf);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Color power = emitted.power[i] * scale;
+        if (is_black(power)) continue;
+        if (!is_finite(power)) refuse_emission(choice.light, emitted.o[i]);
+        Flight& flight = *idle.back();
+        idle.pop_back();
+        flying.push_back(&flight);
+        flight.photon = begin + i;
+        flight.numbers = numbers[i];
+        flight.ray = {.o = emitted.o[i], .d = emitted.d[i]};
+        flight.power = power;
+        flight.kind = PhotonKind::direct;
+        flight.depth = 0;
+        energy.emitted += static_cast<double>(luminance(power));
+    }
+    return begin + count;
+}
+
+/// The fault is the scene's, though only the render shows it.
+inline void PhotonTracer::refuse_emission(std::uint32_t light, Vector3 at) const {
+    const Vector3d p = scene_.origin() + Vector3d(at);
+    refuse_scene(
+        fmt::format("light number {} of the scene, at ({:g}, {:g}, {:g}), emits "
+                    "photons of a power that is not finite",
+                    light, p.x, p.y, p.z));
 }
 
 /// What happens where the ray ends; false if the flight ends, too.
@@ -269,7 +297,7 @@ bool PhotonTracer::arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& 
 /// which shading normals make differ from f by the ratio of the cosines (Veach 1997, 5.3.2).
 inline bool PhotonTracer::scatter(const Interaction& at, bool stored, float most_survival,
                                   Flight& flight) const {
-    const PhotonNumbers::Scattering u = flight.numbers->scattering();
+    const PhotonNumbers::Scattering u = flight.numbers.scattering(flight.depth == 1);
     const Vector3 wo = at.to_local(-flight.ray.d);
     const std::optional<BSDFSample> next =
         at.shape->bsdf()->sample(at, wo, u.lobe, u.direction, TransportMode::importance);

@@ -21,10 +21,11 @@ TEST(PhotonNumbers, FillTheirDimensionsEvenly) {
         std::vector<std::set<int>> seen(8);
         std::set<int> cells;
         double product = 0;
+        PhotonSequence sequence(7);
         for (std::uint64_t i = first; i < first + n; ++i) {
-            PhotonNumbers numbers(7, i);
+            PhotonNumbers numbers = sequence.photon(i);
             const Vector2 a = numbers.direction(), b = numbers.position();
-            const auto c = numbers.scattering(), later = numbers.scattering();
+            const auto c = numbers.scattering(true), later = numbers.scattering(false);
             const float all[] = {a.x,           a.y,           b.x,    b.y,
                                  c.direction.x, c.direction.y, c.lobe, c.survival};
             for (std::size_t d = 0; d < 8; ++d) {
