@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/accelerator.h"
 
+#include "core/math/four_floats.h"
 #include "core/scene/embree.h"
 
 #include <fmt/format.h>
@@ -230,13 +231,13 @@ std::size_t Accelerator::bytes() const {
 
 namespace {
 
-/// Fills the ray where it lies: a copy would read in one piece what was just written in many, which
+/// Fills the ray in the pieces in which Embree reads it: what was just written in smaller ones,
 /// processors cannot forward.
 void to_embree(const Ray& ray, float tmin, RTCRay& r) {
-    r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z;
-    r.tnear = tmin;
-    r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z;
-    r.time = 0;
+    const FourFloats origin{ray.o.x, ray.o.y, ray.o.z, tmin};
+    const FourFloats direction{ray.d.x, ray.d.y, ray.d.z, 0};  // and time
+    std::memcpy(&r.org_x, &origin, sizeof origin);
+    std::memcpy(&r.dir_x, &direction, sizeof direction);
     r.tfar = ray.tmax;
     r.mask = 0xffffffff;
     r.id = 0;

@@ -110,7 +110,7 @@ bool Scene::fill(const Ray& ray, const SceneHit& met, Interaction& at) const {
     if (met.flat && met.id == ray.source) return false;
     at.shape = met.shape;
     at.primitive = met.hit.primitive;
-    if (met.flat) at.source = met.id;
+    at.source = met.flat ? met.id : PrimitiveId{};
     at.t = met.hit.t;
     if (met.instance) [[unlikely]] {
         fill_through_instance(met, ray, at);
@@ -156,14 +156,13 @@ void Scene::intersect(std::span<TracedRay* const> rays) const {
     std::uint8_t hits[most];  // of the rays, those that met something
     std::size_t hit_count = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        rays[i]->hit.reset();
         const Ray& ray = rays[i]->ray;
-        if (!is_traceable(ray)) [[unlikely]] {
-            ++statistics.dropped;
+        const bool traceable = is_traceable(ray);
+        ++(traceable ? statistics.intersections : statistics.dropped);
+        if (!traceable || !accelerator_->intersect(ray, 0, met[i])) {
+            rays[i]->hit.reset();
             continue;
         }
-        ++statistics.intersections;
-        if (!accelerator_->intersect(ray, 0, met[i])) continue;
         met[i].shape->prefetch(met[i].hit.primitive, Shape::Prefetch::addresses);
         hits[hit_count++] = static_cast<std::uint8_t>(i);
     }
@@ -174,7 +173,9 @@ void Scene::intersect(std::span<TracedRay* const> rays) const {
     for (std::size_t k = 0; k < hit_count; ++k) {
         const std::size_t i = hits[k];
         TracedRay& traced = *rays[i];
-        if (fill(traced.ray, met[i], traced.hit.emplace())) continue;
+        // To construct it anew would clear what is then filled.
+        if (!traced.hit) traced.hit.emplace();
+        if (fill(traced.ray, met[i], *traced.hit)) continue;
         traced.hit = intersect_from(traced.ray, next_float_up(met[i].hit.t), 1);
     }
 }
