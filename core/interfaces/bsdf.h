@@ -7,11 +7,13 @@
 /// swaps wi and wo and includes the cosine).
 #pragma once
 
+#include "core/interfaces/lanes.h"
 #include "core/interfaces/samples.h"
 #include "core/interfaces/texture.h"
 #include "core/plugin/plugin.h"
 
 #include <optional>
+#include <span>
 
 namespace lucerna {
 
@@ -32,6 +34,13 @@ public:
     /// Empty: nothing is scattered.
     virtual std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float u_lobe,
                                              Vector2 u, TransportMode mode) const = 0;
+
+    /// The same at several points, at most `lane_count`, a lane for each. All lanes hold numbers
+    /// that are allowed; those of `out` after the last point may be left or filled with anything.
+    /// One by one unless overridden.
+    virtual void sample_lanes(std::span<const Interaction* const> at, const Vector3Lanes& wo,
+                              const FloatLanes& u_lobe, const Vector2Lanes& u, TransportMode mode,
+                              BSDFSampleLanes& out) const;
 
     /// An estimate of the fraction of light reflected or transmitted, for the albedo layer and
     /// for Russian roulette of photons; in [0, 1].

@@ -46,6 +46,13 @@ struct SurfaceSampleLanes {
     FloatLanes error, pdf;
 };
 
+/// Directions into which surfaces scatter (BSDFSample), without densities. No lobe: nothing is
+/// scattered, and the lane's other numbers mean nothing.
+struct BSDFSampleLanes {
+    Vector3Lanes wi, weight;
+    Lobe lobe[lane_count];
+};
+
 /// Particles that leave a light (EmissionSample), without their densities. No power: none leaves.
 struct EmissionLanes {
     Vector3Lanes o, d, power;

@@ -10,6 +10,11 @@
 namespace lucerna {
 namespace {
 
+LUCERNA_VECTORIZED void sample_cosine(const Vector2Lanes& __restrict u,
+                                      Vector3Lanes& __restrict wi) {
+    for (std::size_t i = 0; i < lane_count; ++i) wi.set(i, square_to_cosine_hemisphere(u[i]));
+}
+
 class Diffuse final : public BSDF {
 public:
     explicit Diffuse(const Params& params)
@@ -33,6 +38,16 @@ public:
                           .weight = reflectance_(at.uv),
                           .pdf = square_to_cosine_hemisphere_pdf(wi),
                           .lobe = Lobe::diffuse_reflection};
+    }
+
+    void sample_lanes(std::span<const Interaction* const> at, const Vector3Lanes& wo,
+                      const FloatLanes&, const Vector2Lanes& u, TransportMode,
+                      BSDFSampleLanes& out) const override {
+        sample_cosine(u, out.wi);
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            out.weight.set(i, reflectance_(at[i]->uv));
+            out.lobe[i] = wo.z[i] > 0 ? Lobe::diffuse_reflection : Lobe::none;
+        }
     }
 
     Color albedo(const Interaction& at, Vector3) const override { return reflectance_(at.uv); }

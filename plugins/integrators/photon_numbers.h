@@ -112,10 +112,14 @@ public:
         float lobe, survival;
         Vector2 direction;
     };
-    /// For the surface that it meets as the first, second … one.
+    /// For the surface that it meets as the first, second … one. Without a branch: which of them
+    /// it is, is random.
     Scattering scattering(bool first) {
-        const Vector2 u = first ? halves(point_[3]) : independent();
-        return {u.x, u.y, first ? halves(point_[2]) : independent()};
+        const std::uint64_t more = state_ + step, most = more + step;
+        const std::uint64_t independent[] = {mix64(more), mix64(most)};
+        state_ = first ? state_ : most;
+        const Vector2 u = halves(first ? point_[3] : independent[0]);
+        return {u.x, u.y, halves(first ? point_[2] : independent[1])};
     }
 
     static constexpr std::uint64_t step = 0x9e3779b97f4a7c15u;  // 2⁶⁴ / golden ratio
@@ -125,7 +129,6 @@ private:
         return {uint_to_float(static_cast<std::uint32_t>(bits >> 32)),
                 uint_to_float(static_cast<std::uint32_t>(bits))};
     }
-    Vector2 independent() { return halves(mix64(state_ += step)); }
 
     SobolTable::Point point_{};
     std::uint64_t state_ = 0;

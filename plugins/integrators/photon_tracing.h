@@ -10,6 +10,7 @@
 #include "core/render/render_job.h"
 #include "core/scene/scene.h"
 #include "plugins/integrators/photon.h"
+#include "plugins/integrators/photon_lanes.h"
 #include "plugins/integrators/photon_numbers.h"
 
 #include <fmt/format.h>
@@ -168,90 +169,174 @@ private:
         PhotonKind kind = PhotonKind::direct;
         int depth = 0;  ///< edges so far
     };
+    /// Flights that have come to surfaces of the same material, which scatters them together.
+    struct Meeting {
+        explicit Meeting(const BSDF* material)
+            : bsdf(material), stored(stores_photons(*material)) {}
+
+        const BSDF* bsdf;
+        bool stored;
+        std::size_t count = 0;
+        std::array<Flight*, lane_count> flights;
+    };
+    /// Photons that fly side by side: while one waits for memory, the others go on.
+    struct Wave {
+        static constexpr std::size_t size = 64;
+
+        Wave() {
+            for (auto* list : {&idle, &flying, &landed}) list->reserve(size);
+            for (Flight& flight : flights) idle.push_back(&flight);
+        }
+        Meeting& meeting(const BSDF* bsdf) {
+            for (Meeting& known : meetings) {
+                if (known.bsdf == bsdf) return known;
+            }
+            return meetings.emplace_back(bsdf);
+        }
+
+        std::array<Flight, size> flights;
+        std::vector<Flight*> idle, flying, landed;
+        std::vector<Meeting> meetings;
+        std::vector<TracedRay*> rays;
+        // Kept, so that lanes without a photon hold what others left there.
+        Vector2Lanes u_position{}, u_direction{};
+        ScatteringLanes scattering{};
+    };
     /// The most likely that a path goes on after so many edges. Without a limit, light between
     /// white walls would never end.
     static float most_survival(const PhotonPass& pass, int depth) {
         return depth < pass.rr_depth ? infinity : depth < 64 ? 1.0f : 0.95f;
     }
     std::uint64_t emit(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end,
-                       PhotonEnergy& energy, std::vector<Flight*>& idle,
-                       std::vector<Flight*>& flying) const;
+                       PhotonEnergy& energy, Wave& wave) const;
     template <typename Visit>
-    bool arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy, Visit& visit) const;
-    bool scatter(const Interaction& at, bool stored, float most_survival, Flight& flight) const;
+    void arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy, Wave& wave,
+                Visit& visit) const;
+    void scatter(const PhotonPass& pass, Meeting& meeting, PhotonEnergy& energy, Wave& wave) const;
     [[noreturn]] void refuse_emission(std::uint32_t light, Vector3 at) const;
+    [[noreturn]] void refuse_scattering(Vector3 at) const;
 
     const Scene& scene_;
     PhotonEmission emission_;
 };
 
-/// Photons fly side by side: while one waits for memory, the others go on. As soon as one has ended
-/// the next one starts.
+/// As soon as a flight has ended the next one starts.
 template <typename Visit>
 void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end,
                          PhotonEnergy& energy, Visit&& visit) const {
-    constexpr std::size_t most = 64;
-    std::array<Flight, most> flights;
-    std::vector<Flight*> idle, flying;
-    idle.reserve(most), flying.reserve(most);
-    for (Flight& flight : flights) idle.push_back(&flight);
-    std::vector<TracedRay*> rays;
-    rays.reserve(most);
-    while (begin < end || !flying.empty()) {
-        while (begin < end && !idle.empty()) {
-            begin = emit(pass, begin, end, energy, idle, flying);
-        }
-        rays.assign(flying.begin(), flying.end());
-        scene_.intersect(rays);
-        std::erase_if(flying, [&](Flight* flight) {
-            if (arrive(pass, *flight, energy, visit)) return false;
-            idle.push_back(flight);
-            return true;
-        });
+    Wave wave;
+    while (begin < end || !wave.flying.empty()) {
+        while (begin < end && !wave.idle.empty()) begin = emit(pass, begin, end, energy, wave);
+        wave.rays.assign(wave.flying.begin(), wave.flying.end());
+        scene_.intersect(wave.rays);
+        std::swap(wave.flying, wave.landed);
+        wave.flying.clear();
+        for (Flight* flight : wave.landed) arrive(pass, *flight, energy, wave, visit);
+        for (Meeting& meeting : wave.meetings) scatter(pass, meeting, energy, wave);
+        wave.meetings.clear();
     }
 }
 
 /// Lets photon `begin` and as many after it leave as one light sends together, as there are idle
 /// flights, and before `end`. Returns the first that has still to leave.
 inline std::uint64_t PhotonTracer::emit(const PhotonPass& pass, std::uint64_t begin,
-                                        std::uint64_t end, PhotonEnergy& energy,
-                                        std::vector<Flight*>& idle,
-                                        std::vector<Flight*>& flying) const {
+                                        std::uint64_t end, PhotonEnergy& energy, Wave& wave) const {
     if (pass.max_depth < 1) return end;
     const auto choice = emission_.choose(begin, pass.count, uint64_to_double(mix64(pass.key)));
     const auto count = static_cast<std::size_t>(std::min(
-        {end - begin, choice.left, std::uint64_t{idle.size()}, std::uint64_t{lane_count}}));
+        {end - begin, choice.left, std::uint64_t{wave.idle.size()}, std::uint64_t{lane_count}}));
     const Light& light = scene_.lights()[choice.light];
     PhotonSequence sequence(hash_combine(pass.key, choice.light));
-    std::array<PhotonNumbers, lane_count> numbers;
-    Vector2Lanes u_position{}, u_direction{};
+    std::array<Flight*, lane_count> flights;
+    std::copy_n(wave.idle.end() - static_cast<std::ptrdiff_t>(count), count, flights.begin());
+    wave.idle.resize(wave.idle.size() - count);
     for (std::size_t i = 0; i < count; ++i) {
-        numbers[i] = sequence.photon(choice.index + i);
-        u_position.set(i, numbers[i].position());
-        u_direction.set(i, numbers[i].direction());
+        const PhotonNumbers numbers = flights[i]->numbers = sequence.photon(choice.index + i);
+        wave.u_position.set(i, numbers.position());
+        wave.u_direction.set(i, numbers.direction());
     }
     EmissionLanes emitted;
-    light.emitter->sample_emission_lanes(light, u_position, u_direction, count, emitted);
+    light.emitter->sample_emission_lanes(light, wave.u_position, wave.u_direction, count, emitted);
     const float scale = 1 / static_cast<float>(choice.pmf);
     for (std::size_t i = 0; i < count; ++i) {
-        const Color power = emitted.power[i] * scale;
-        if (is_black(power)) continue;
-        if (!is_finite(power)) refuse_emission(choice.light, emitted.o[i]);
-        Flight& flight = *idle.back();
-        idle.pop_back();
-        flying.push_back(&flight);
+        Flight& flight = *flights[i];
         flight.photon = begin + i;
-        flight.numbers = numbers[i];
         flight.ray = {.o = emitted.o[i], .d = emitted.d[i]};
-        flight.power = power;
+        flight.power = emitted.power[i] * scale;
         flight.kind = PhotonKind::direct;
         flight.depth = 0;
-        energy.emitted += static_cast<double>(luminance(power));
+        if (!is_finite(flight.power)) refuse_emission(choice.light, flight.ray.o);
+        energy.emitted += static_cast<double>(luminance(flight.power));
+        (is_black(flight.power) ? wave.idle : wave.flying).push_back(&flight);
     }
     return begin + count;
 }
 
-/// The fault is the scene's, though only the render shows it.
+/// What happens where the ray ends. If that is on a surface, the flight waits there for others.
+template <typename Visit>
+void PhotonTracer::arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy, Wave& wave,
+                          Visit& visit) const {
+    ++flight.depth;
+    if (!flight.hit) {
+        energy.escaped += static_cast<double>(luminance(flight.power));
+        wave.idle.push_back(&flight);
+        return;
+    }
+    const Interaction& at = *flight.hit;
+    Meeting& meeting = wave.meeting(at.shape->bsdf());
+    if (includes(pass.kinds, flight.kind)) {
+        visit(PhotonHit{.at = at,
+                        .w = -flight.ray.d,
+                        .power = flight.power,
+                        .photon = flight.photon,
+                        .depth = flight.depth,
+                        .kind = flight.kind,
+                        .stored = meeting.stored});
+    }
+    meeting.flights[meeting.count++] = &flight;
+    if (meeting.count == lane_count) scatter(pass, meeting, energy, wave);
+}
+
+/// Lets the material turn all flights that have met there, or end them.
+inline void PhotonTracer::scatter(const PhotonPass& pass, Meeting& meeting, PhotonEnergy& energy,
+                                  Wave& wave) const {
+    std::array<const Interaction*, lane_count> at;
+    ScatteringLanes& lanes = wave.scattering;
+    for (std::size_t i = 0; i < meeting.count; ++i) {
+        Flight& flight = *meeting.flights[i];
+        at[i] = &*flight.hit;
+        const PhotonNumbers::Scattering u = flight.numbers.scattering(flight.depth == 1);
+        lanes.u_lobe[i] = u.lobe;
+        lanes.u_direction.set(i, u.direction);
+        lanes.u_survival[i] = u.survival;
+        lanes.most_survival[i] = most_survival(pass, flight.depth);
+        lanes.set(i, *at[i], flight.ray.d, flight.power);
+    }
+    lanes.look_back(meeting.count);
+    meeting.bsdf->sample_lanes({at.data(), meeting.count}, lanes.wo, lanes.u_lobe,
+                               lanes.u_direction, TransportMode::importance, lanes.next);
+    lanes.scatter(meeting.count);
+    for (std::size_t i = 0; i < meeting.count; ++i) {
+        Flight& flight = *meeting.flights[i];
+        if (lanes.broken[i] != 0) refuse_scattering(at[i]->p);
+        energy.absorbed +=
+            static_cast<double>(lanes.arriving[i]) - static_cast<double>(lanes.leaving[i]);
+        if (flight.kind != PhotonKind::indirect) {
+            const bool diffuse = meeting.stored && !any(lanes.next.lobe[i] & delta_lobes);
+            flight.kind = diffuse ? PhotonKind::indirect : PhotonKind::caustic;
+        }
+        // From the first diffuse surface on all is indirect: a pass for caustics ends there.
+        const bool seen =
+            flight.kind != PhotonKind::indirect || includes(pass.kinds, PhotonKind::indirect);
+        const bool goes_on = (lanes.leaving[i] > 0) & seen & (flight.depth < pass.max_depth);
+        energy.cut += static_cast<double>(select(goes_on, 0, lanes.leaving[i]));
+        flight.power = lanes.left[i];
+        flight.ray = {.o = lanes.o[i], .d = lanes.wi[i], .source = at[i]->source};
+        (goes_on ? wave.flying : wave.idle).push_back(&flight);
+    }
+    meeting.count = 0;
+}
+
 inline void PhotonTracer::refuse_emission(std::uint32_t light, Vector3 at) const {
     const Vector3d p = scene_.origin() + Vector3d(at);
     refuse_scene(
@@ -260,77 +345,12 @@ inline void PhotonTracer::refuse_emission(std::uint32_t light, Vector3 at) const
                     light, p.x, p.y, p.z));
 }
 
-/// What happens where the ray ends; false if the flight ends, too.
-template <typename Visit>
-bool PhotonTracer::arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy,
-                          Visit& visit) const {
-    const auto before = static_cast<double>(luminance(flight.power));
-    ++flight.depth;
-    if (!flight.hit) {
-        energy.escaped += before;
-        return false;
-    }
-    const Interaction& at = *flight.hit;
-    const bool stored = stores_photons(*at.shape->bsdf());
-    if (includes(pass.kinds, flight.kind)) {
-        visit(PhotonHit{.at = at,
-                        .w = -flight.ray.d,
-                        .power = flight.power,
-                        .photon = flight.photon,
-                        .depth = flight.depth,
-                        .kind = flight.kind,
-                        .stored = stored});
-    }
-    const bool goes_on = scatter(at, stored, most_survival(pass, flight.depth), flight);
-    const double after = goes_on ? static_cast<double>(luminance(flight.power)) : 0.0;
-    energy.absorbed += before - after;
-    if (!goes_on) return false;
-    // From the first diffuse surface on all is indirect: a pass for caustics ends there.
-    const bool seen =
-        flight.kind != PhotonKind::indirect || includes(pass.kinds, PhotonKind::indirect);
-    if (seen && flight.depth < pass.max_depth) return true;
-    energy.cut += after;
-    return false;
-}
-
-/// Lets the surface turn the flight, or ends it: false. Flux is scattered by the adjoint BSDF,
-/// which shading normals make differ from f by the ratio of the cosines (Veach 1997, 5.3.2).
-inline bool PhotonTracer::scatter(const Interaction& at, bool stored, float most_survival,
-                                  Flight& flight) const {
-    const PhotonNumbers::Scattering u = flight.numbers.scattering(flight.depth == 1);
-    const Vector3 wo = at.to_local(-flight.ray.d);
-    const std::optional<BSDFSample> next =
-        at.shape->bsdf()->sample(at, wo, u.lobe, u.direction, TransportMode::importance);
-    if (!next || is_black(next->weight)) return false;
-    Color power = flight.power * next->weight;
-    Vector3 wi = flight.ray.d;
-    if (next->lobe != Lobe::null) {
-        wi = at.to_world(next->wi);
-        const float wo_n = -glm::dot(flight.ray.d, at.n), wi_n = glm::dot(wi, at.n);
-        if (!(wo_n * wo.z > 0 && wi_n * next->wi.z > 0)) return false;
-        if (at.shading.n != at.n) power *= (wo.z * wi_n) / (wo_n * next->wi.z);
-    }
-    if (!is_finite(power)) {
-        const Vector3d p = scene_.origin() + Vector3d(at.p);
-        refuse_scene(
-            fmt::format("a photon that is scattered at ({:g}, {:g}, {:g}) has a power that "
-                        "is not finite",
-                        p.x, p.y, p.z));
-    }
-    // Survival in proportion to what is left keeps the power of all photons alike.
-    if (most_survival <= 1) {
-        const float survival =
-            std::min(max_component(power) / max_component(flight.power), most_survival);
-        if (!(u.survival < survival)) return false;
-        power *= 1 / survival;
-    }
-    const bool diffuse = stored && !next->specular();
-    if (flight.kind != PhotonKind::indirect) {
-        flight.kind = diffuse ? PhotonKind::indirect : PhotonKind::caustic;
-    }
-    flight.power = power;
-    flight.ray = at.spawn_ray(wi);
-    return true;
+inline void PhotonTracer::refuse_scattering(Vector3 at) const {
+    const Vector3d p = scene_.origin() + Vector3d(at);
+    refuse_scene(
+        fmt::format("a photon that is scattered at ({:g}, {:g}, {:g}) has a power that is "
+                    "not finite",
+                    p.x, p.y, p.z));
 }
 
 /// The result of many photons, in their order whatever the number of threads.
@@ -364,7 +384,7 @@ inline void store_photons(const PhotonTracer& tracer, const PhotonPass& pass, st
 inline void store_photons(const PhotonTracer& tracer, const PhotonPass& pass,
                           const Workers& workers, const std::function<bool()>& interrupted,
                           StoredPhotons& result) {
-    constexpr std::uint64_t chunk_size = 256, batch_size = 128;
+    constexpr std::uint64_t chunk_size = 512, batch_size = 128;
     std::vector<StoredPhotons> batch(batch_size), before(batch_size);
     const auto append = [&] {
         for (StoredPhotons& chunk : before) {

@@ -282,6 +282,40 @@ TEST_F(BSDFs, D11_D4_D18_D21_directions_follow_their_density) {
     }
 }
 
+TEST_F(BSDFs, samples_of_many_lanes_are_those_of_each) {
+    const std::vector<Vector3> wos = viewers();
+    std::array<Interaction, lane_count> places;
+    std::array<const Interaction*, lane_count> at;
+    Rng rng(12);
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        places[i] = surface();
+        places[i].uv = rng.next_float2();
+        at[i] = &places[i];
+    }
+    for (const Case& c : cases) {
+        for (std::size_t count = 1; count <= lane_count; ++count) {
+            const TransportMode mode = modes[count % 2];
+            Vector3Lanes wo{};
+            FloatLanes u_lobe{};
+            Vector2Lanes u{};
+            for (std::size_t i = 0; i < lane_count; ++i) {
+                wo.set(i, wos[(i + count) % wos.size()]);
+                u_lobe[i] = rng.next_float();
+                u.set(i, rng.next_float2());
+            }
+            BSDFSampleLanes lanes;
+            c.bsdf->sample_lanes({at.data(), count}, wo, u_lobe, u, mode, lanes);
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto one = c.bsdf->sample(*at[i], wo[i], u_lobe[i], u[i], mode);
+                ASSERT_EQ(lanes.lobe[i], one ? one->lobe : Lobe::none) << c.xml;
+                if (!one) continue;
+                EXPECT_EQ(lanes.wi[i], one->wi) << c.xml;
+                EXPECT_EQ(lanes.weight[i], one->weight) << c.xml;
+            }
+        }
+    }
+}
+
 TEST_F(BSDFs, D11_weight_is_value_times_cosine_over_density) {
     for (const Case& c : cases) {
         Rng rng(3);
