@@ -91,7 +91,7 @@ public:
     /// `needs_tangents`, dpdu and dpdv may be left as they are, and any frame will do.
     virtual void fill(const Ray& ray, const Hit& hit, Interaction& at) const = 0;
     /// Asks the memory for what `fill` will read of a primitive: first for what tells where that
-    /// is, then, when this has arrived, for the rest.
+    /// is, then, when this has arrived, for the rest. Not called if there are few primitives.
     enum class Prefetch { addresses, data };
     virtual void prefetch(std::uint32_t /*primitive*/, Prefetch) const {}
 

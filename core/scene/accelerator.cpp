@@ -20,6 +20,7 @@ struct GeometryEntry {
     const Shape* shape = nullptr;
     const std::vector<GeometryEntry>* group = nullptr;  ///< of an instance
     bool flat = false;
+    bool large = false;
 };
 
 void bounds_callback(const RTCBoundsFunctionArguments* arguments) {
@@ -188,6 +189,7 @@ RTCScene Accelerator::Implementation::make_scene(std::span<const Shape* const> s
         list[i].shape = shapes[i];
         const Geometry geometry = shapes[i]->geometry();
         if (std::holds_alternative<GroupGeometry>(geometry)) continue;
+        list[i].large = shapes[i]->primitive_count() >= 1024;
         RTCGeometry made = make_geometry(geometry, list[i]);
         rtcSetGeometryUserData(made, &list[i]);
         rtcCommitGeometry(made);
@@ -263,6 +265,7 @@ bool Accelerator::intersect(const Ray& ray, float tmin, SceneHit& met) const {
     met.instance = instanced ? outer.shape : nullptr;
     met.id = {.geometry = r.hit.geomID, .primitive = r.hit.primID, .instance = r.hit.instID[0]};
     met.flat = entry.flat;
+    met.large = entry.large;
     return true;
 }
 

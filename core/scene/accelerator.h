@@ -16,7 +16,8 @@ struct SceneHit {
     const Shape* shape = nullptr;
     const Shape* instance = nullptr;  ///< null if the shape is in the world itself
     PrimitiveId id{};
-    bool flat = false;  ///< a triangle or parallelogram: cannot be hit from its own surface
+    bool flat = false;   ///< a triangle or parallelogram: cannot be hit from its own surface
+    bool large = false;  ///< the shape has more primitives than the nearest cache holds
 };
 
 class Accelerator {

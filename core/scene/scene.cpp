@@ -163,12 +163,14 @@ void Scene::intersect(std::span<TracedRay* const> rays) const {
             rays[i]->hit.reset();
             continue;
         }
-        met[i].shape->prefetch(met[i].hit.primitive, Shape::Prefetch::addresses);
+        if (met[i].large) {
+            met[i].shape->prefetch(met[i].hit.primitive, Shape::Prefetch::addresses);
+        }
         hits[hit_count++] = static_cast<std::uint8_t>(i);
     }
     for (std::size_t k = 0; k < hit_count; ++k) {
         const SceneHit& hit = met[hits[k]];
-        hit.shape->prefetch(hit.hit.primitive, Shape::Prefetch::data);
+        if (hit.large) hit.shape->prefetch(hit.hit.primitive, Shape::Prefetch::data);
     }
     for (std::size_t k = 0; k < hit_count; ++k) {
         const std::size_t i = hits[k];

@@ -38,7 +38,7 @@ struct ScatteringLanes {
     }
 
     /// For the first `count` lanes.
-    void look_back(std::size_t count) {
+    LUCERNA_VECTORIZED_INLINE void look_back(std::size_t count) {
         for (std::size_t begin = 0; begin < count; begin += step) {
             for (std::size_t k = 0; k < step; ++k) {
                 const std::size_t i = begin + k;
@@ -51,49 +51,48 @@ struct ScatteringLanes {
     /// make differ from f by the ratio of the cosines (Veach 1997, 5.3.2). Roulette lets photons
     /// survive in proportion to what is left, which keeps the power of all alike, unless
     /// `most_survival` is more than one.
-    void scatter(std::size_t count) {
+    LUCERNA_VECTORIZED_INLINE void scatter(std::size_t count) {
         for (std::size_t i = 0; i < lane_count; ++i) {
             through[i] = next.lobe[i] == Lobe::null ? 1.0f : 0.0f;
             lit[i] = next.lobe[i] == Lobe::none ? 0.0f : 1.0f;
         }
-        for (std::size_t begin = 0; begin < count; begin += step) scatter_from(begin);
+        for (std::size_t begin = 0; begin < count; begin += step) {
+            for (std::size_t k = 0; k < step; ++k) {
+                const std::size_t i = begin + k;
+                const Vector3 from = d[i], normal = n[i], shading = ns[i];
+                const bool straight = through[i] > 0, scattered = lit[i] > 0;
+                const Vector3 turned = Frame{s[i], t[i], shading}.to_world(next.wi[i]);
+                const Vector3 w(select(straight, from.x, turned.x),
+                                select(straight, from.y, turned.y),
+                                select(straight, from.z, turned.z));
+                const float wo_z = wo.z[i], wi_z = next.wi.z[i];
+                const float wo_n = -glm::dot(from, normal), wi_n = glm::dot(w, normal);
+                const bool comes_above = wo_n * wo_z > 0, leaves_above = wi_n * wi_z > 0;
+                const bool possible = scattered & (straight | (comes_above & leaves_above));
+                const Vector3 bend = absolute(shading - normal);
+                const bool adjoint_differs = !straight & (bend.x + bend.y + bend.z > 0);
+                const float adjoint = select(adjoint_differs, (wo_z * wi_n) / (wo_n * wi_z), 1.0f);
+                const Color before = power[i], after = before * next.weight[i] * adjoint;
+                // A power that is not finite makes a difference that is none.
+                const Vector3 nothing = after - after;
+                const bool finite = nothing.x + nothing.y + nothing.z == 0;
+                const float most = most_survival[i], u = u_survival[i];
+                const bool roulette = most <= 1;
+                const float survival = std::min(max_component(after) / max_component(before), most);
+                const bool survives = possible & (!roulette | (u < survival));
+                const Color rest = after * select(roulette, 1 / survival, 1.0f);
+                left.set(i, rest);
+                wi.set(i, w);
+                o.set(i, offset_ray_origin(p[i], error[i], normal, w));
+                arriving[i] = luminance(before);
+                leaving[i] = select(survives, luminance(rest), 0.0f);
+                broken[i] = select(possible & !finite, 1.0f, 0.0f);
+            }
+        }
     }
 
 private:
     static constexpr std::size_t step = 8;
-
-    void scatter_from(std::size_t begin) {
-        for (std::size_t k = 0; k < step; ++k) {
-            const std::size_t i = begin + k;
-            const Vector3 from = d[i], normal = n[i], shading = ns[i];
-            const bool straight = through[i] > 0, scattered = lit[i] > 0;
-            const Vector3 turned = Frame{s[i], t[i], shading}.to_world(next.wi[i]);
-            const Vector3 w(select(straight, from.x, turned.x), select(straight, from.y, turned.y),
-                            select(straight, from.z, turned.z));
-            const float wo_z = wo.z[i], wi_z = next.wi.z[i];
-            const float wo_n = -glm::dot(from, normal), wi_n = glm::dot(w, normal);
-            const bool comes_above = wo_n * wo_z > 0, leaves_above = wi_n * wi_z > 0;
-            const bool possible = scattered & (straight | (comes_above & leaves_above));
-            const Vector3 bend = absolute(shading - normal);
-            const bool adjoint_differs = !straight & (bend.x + bend.y + bend.z > 0);
-            const float adjoint = select(adjoint_differs, (wo_z * wi_n) / (wo_n * wi_z), 1.0f);
-            const Color before = power[i], after = before * next.weight[i] * adjoint;
-            // A power that is not finite makes a difference that is none.
-            const Vector3 nothing = after - after;
-            const bool finite = nothing.x + nothing.y + nothing.z == 0;
-            const float most = most_survival[i], u = u_survival[i];
-            const bool roulette = most <= 1;
-            const float survival = std::min(max_component(after) / max_component(before), most);
-            const bool survives = possible & (!roulette | (u < survival));
-            const Color rest = after * select(roulette, 1 / survival, 1.0f);
-            left.set(i, rest);
-            wi.set(i, w);
-            o.set(i, offset_ray_origin(p[i], error[i], normal, w));
-            arriving[i] = luminance(before);
-            leaving[i] = select(survives, luminance(rest), 0.0f);
-            broken[i] = select(possible & !finite, 1.0f, 0.0f);
-        }
-    }
 
     FloatLanes lit{};  ///< 1: something is scattered
 };

@@ -181,7 +181,7 @@ private:
     };
     /// Photons that fly side by side: while one waits for memory, the others go on.
     struct Wave {
-        static constexpr std::size_t size = 64;
+        static constexpr std::size_t size = 96;
 
         Wave() {
             for (auto* list : {&idle, &flying, &landed}) list->reserve(size);
