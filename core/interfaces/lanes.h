@@ -6,15 +6,15 @@
 #include "core/interfaces/samples.h"
 
 /// Before a function with such a loop: it is compiled twice, for eight floats at a time where the
-/// processor has them, with the same results. What it calls must be inline. It must not be inline
-/// itself; for those that are in headers there is the other macro, as Clang 14 defines the choice
-/// between the two versions anew in each object file.
+/// processor has them, with the same results. What it calls must be inline. Functions in headers
+/// have a macro of their own: Clang 14 would define the choice of a version in each object file,
+/// and the thread sanitizer is not ready yet when a program makes its choices.
 #if defined(__x86_64__)
 #define LUCERNA_VECTORIZED [[gnu::target_clones("avx2", "default")]]
 #else
 #define LUCERNA_VECTORIZED
 #endif
-#if defined(__clang__)
+#if defined(__clang__) || defined(__SANITIZE_THREAD__)
 #define LUCERNA_VECTORIZED_INLINE
 #else
 #define LUCERNA_VECTORIZED_INLINE LUCERNA_VECTORIZED
