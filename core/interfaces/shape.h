@@ -16,6 +16,7 @@
 #include <optional>
 #include <span>
 #include <variant>
+#include <vector>
 
 namespace lucerna {
 
@@ -44,9 +45,9 @@ struct Parallelogram {
     Vector3 corner, edge_u, edge_v;
 };
 
-/// One parallelogram to a primitive. The shape keeps the memory.
+/// One parallelogram to a primitive.
 struct ParallelogramGeometry {
-    std::span<const Parallelogram> list;
+    std::vector<Parallelogram> list;
 };
 
 /// One primitive that answers rays by itself through `Shape::intersect`.

@@ -6,6 +6,7 @@
 #include "core/interfaces/integrator.h"
 #include "core/interfaces/sensor.h"
 #include "core/interfaces/shape.h"
+#include "core/scene/huge_pages.h"
 
 #include <memory>
 #include <optional>
@@ -87,7 +88,7 @@ private:
     SceneParts parts_;
     Bounds3 bounds_;
     std::unique_ptr<Accelerator> accelerator_;
-    std::vector<Light> lights_;
+    std::vector<Light, HugePages<Light>> lights_;
     std::vector<std::uint32_t> infinite_lights_;
     const LightSampler* light_sampler_ = nullptr;
 };

@@ -18,15 +18,16 @@ namespace lucerna {
 
 class Parallelograms : public Shape {
 public:
-    Geometry geometry() const final { return ParallelogramGeometry{list_}; }
+    Geometry geometry() const final {
+        return ParallelogramGeometry{{entries_.begin(), entries_.end()}};
+    }
     Bounds3 bounds() const final { return bounds_; }
 
     void fill(const Ray&, const Hit& hit, Interaction& at) const final {
-        const Parallelogram& it = list_[hit.primitive];
-        const Facts& facts = facts_[hit.primitive];
-        at.p = point(it, hit.uv);
-        at.error = facts.error;
-        at.n = facts.normal;
+        const Entry& it = entries_[hit.primitive];
+        at.p = it.point(hit.uv);
+        at.error = it.error;
+        at.n = it.normal;
         at.uv = hit.uv;
         at.dpdu = it.edge_u;
         at.dpdv = it.edge_v;
@@ -34,17 +35,19 @@ public:
                                       : Frame::from_normal(at.n);
     }
 
-    std::uint32_t primitive_count() const final { return static_cast<std::uint32_t>(list_.size()); }
+    void prefetch(std::uint32_t primitive, Prefetch what) const final {
+        if (what == Prefetch::addresses) __builtin_prefetch(&entries_[primitive]);
+    }
 
-    float area(std::uint32_t primitive) const final { return facts_[primitive].area; }
+    std::uint32_t primitive_count() const final {
+        return static_cast<std::uint32_t>(entries_.size());
+    }
+
+    float area(std::uint32_t primitive) const final { return entries_[primitive].area; }
 
     SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const final {
-        const Facts& facts = facts_[primitive];
-        return {.p = point(list_[primitive], u),
-                .n = facts.normal,
-                .uv = u,
-                .error = facts.error,
-                .pdf = 1 / facts.area};
+        const Entry& it = entries_[primitive];
+        return {.p = it.point(u), .n = it.normal, .uv = u, .error = it.error, .pdf = 1 / it.area};
     }
 
     std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,
@@ -63,11 +66,11 @@ public:
     }
 
     std::pair<Vector3, float> normal_cone(std::uint32_t primitive) const final {
-        return {facts_[primitive].normal, 1.0f};
+        return {entries_[primitive].normal, 1.0f};
     }
 
     Bounds3 primitive_bounds(std::uint32_t primitive) const final {
-        return bounds_of(list_[primitive]);
+        return bounds_of(entries_[primitive]);
     }
 
 protected:
@@ -76,10 +79,9 @@ protected:
 
     /// Takes parallelograms of the world; `flipped`: they face where edge_v × edge_u points.
     void assign(std::vector<Parallelogram> list, bool flipped) {
-        list_.assign(list.begin(), list.end());
-        facts_.reserve(list_.size());
-        for (const Parallelogram& it : list_) {
-            facts_.emplace_back(it, flipped ? -1.0f : 1.0f);
+        entries_.reserve(list.size());
+        for (const Parallelogram& it : list) {
+            entries_.emplace_back(it, flipped ? -1.0f : 1.0f);
             const Bounds3 bounds = bounds_of(it);
             bounds_.include(bounds.min);
             bounds_.include(bounds.max);
@@ -87,32 +89,30 @@ protected:
     }
 
 private:
-    /// What hits and samples ask for, computed once.
-    struct Facts {
+    /// With what hits and samples ask for, computed once: one line of the cache.
+    struct alignas(64) Entry : Parallelogram {
         Vector3 normal;  ///< unit length
         float area;
         float error;     ///< of points, for all coordinates alike
         float diagonal;  ///< the longer
         bool rectangle;
 
-        Facts(const Parallelogram& it, float side)
-            : error(gamma(7) *
-                    max_component(absolute(it.corner) + absolute(it.edge_u) + absolute(it.edge_v))),
-              diagonal(std::max(glm::length(it.edge_u + it.edge_v),
-                                glm::length(it.edge_u - it.edge_v))) {
-            const Vector3d n = glm::cross(Vector3d(it.edge_u), Vector3d(it.edge_v));
+        Entry(const Parallelogram& it, float side)
+            : Parallelogram(it),
+              error(gamma(7) *
+                    max_component(absolute(corner) + absolute(edge_u) + absolute(edge_v))),
+              diagonal(std::max(glm::length(edge_u + edge_v), glm::length(edge_u - edge_v))) {
+            const Vector3d n = glm::cross(Vector3d(edge_u), Vector3d(edge_v));
             const double length = glm::length(n);
             normal = length > 0 ? side * Vector3(n / length) : Vector3(0, 0, side);
             area = static_cast<float>(length);
             // Matrices are written with six digits; a shear below that biases nothing visible.
-            const float uv = glm::dot(it.edge_u, it.edge_v);
-            rectangle = std::abs(uv) < 1e-5f * glm::length(it.edge_u) * glm::length(it.edge_v);
+            const float uv = glm::dot(edge_u, edge_v);
+            rectangle = std::abs(uv) < 1e-5f * glm::length(edge_u) * glm::length(edge_v);
         }
-    };
 
-    static Vector3 point(const Parallelogram& it, Vector2 uv) {
-        return it.corner + uv.x * it.edge_u + uv.y * it.edge_v;
-    }
+        Vector3 point(Vector2 uv) const { return corner + uv.x * edge_u + uv.y * edge_v; }
+    };
 
     static Bounds3 bounds_of(const Parallelogram& it) {
         Bounds3 bounds;
@@ -126,17 +126,15 @@ private:
     /// Empty if it must be sampled by area from there.
     std::optional<SphericalRectangle> spherical_rectangle(Vector3 p,
                                                           std::uint32_t primitive) const {
-        const Parallelogram& it = list_[primitive];
-        const Facts& facts = facts_[primitive];
-        const Vector3 d = point(it, Vector2(0.5f)) - p;
-        if (!facts.rectangle || sample_by_area(facts.diagonal, glm::dot(d, d))) return {};
+        const Entry& it = entries_[primitive];
+        const Vector3 d = it.point(Vector2(0.5f)) - p;
+        if (!it.rectangle || sample_by_area(it.diagonal, glm::dot(d, d))) return {};
         const SphericalRectangle seen(p, it.corner, it.edge_u, it.edge_v);
         if (!sample_by_solid_angle(seen.solid_angle())) return {};
         return seen;
     }
 
-    std::vector<Parallelogram, HugePages<Parallelogram>> list_;
-    std::vector<Facts, HugePages<Facts>> facts_;  ///< of each
+    std::vector<Entry, HugePages<Entry>> entries_;
     Bounds3 bounds_;
 };
 

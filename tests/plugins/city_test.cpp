@@ -24,7 +24,7 @@ std::string city(const std::string& part, int lights, int size, int seed = 1, in
         part, lights, size, seed, shade);
 }
 
-std::span<const Parallelogram> list_of(const World& world) {
+std::vector<Parallelogram> list_of(const World& world) {
     const Geometry geometry = world.shape().geometry();
     return std::get<ParallelogramGeometry>(geometry).list;
 }
