@@ -104,17 +104,29 @@ struct LitSurface {
           receiver(interaction.receiver(wo, sides(lobes))) {}
 };
 
-/// Draw number `draw` of the sampler, weighted against `bsdf_samples` samples of the BSDF; `passes`
+/// Draw number `draw` at many points. What sampling the chosen lights will read is on its way.
+inline void choose_lights(const Scene& scene, const LightSampler& sampler, std::uint32_t draw,
+                          std::span<LightQuery> queries) {
+    sampler.sample_batch(draw, queries);
+    const std::span<const Light> lights = scene.lights();
+    for (const LightQuery& query : queries) {
+        if (query.choice) __builtin_prefetch(&lights[query.choice->light]);
+    }
+    for (const auto what : {Shape::Prefetch::addresses, Shape::Prefetch::data}) {
+        for (const LightQuery& query : queries) {
+            if (!query.choice) continue;
+            const Light& light = lights[query.choice->light];
+            if (light.shape) light.shape->prefetch(light.primitive, what);
+        }
+    }
+}
+
+/// What the light of a choice adds, weighted against `bsdf_samples` samples of the BSDF; `passes`
 /// such draws are averaged by the caller. False: nothing can arrive.
-inline bool sample_light(const Scene& scene, const LightSampler& sampler, const LitSurface& surface,
-                         std::uint32_t draw, float passes, float bsdf_samples, SampleStream& stream,
-                         LightEstimate& result) {
-    const Vector2 u_light = stream.next_2d();
-    const Vector2 u = stream.next_2d();
+inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitSurface& surface,
+                         Vector2 u, float passes, float bsdf_samples, LightEstimate& result) {
     const Interaction& at = surface.at;
-    const std::optional<LightChoice> choice = sampler.sample(surface.receiver, draw, u_light.x);
-    if (!choice) return false;
-    const Light& light = scene.lights()[choice->light];
+    const Light& light = scene.lights()[choice.light];
     const std::optional<LightSample> sample = light.emitter->sample_li(light, surface.receiver, u);
     if (!sample || is_black(sample->radiance)) return false;
     const Vector3 wi_local = at.to_local(sample->wi);
@@ -122,7 +134,7 @@ inline bool sample_light(const Scene& scene, const LightSampler& sampler, const 
     const BSDFValue value =
         surface.bsdf.evaluate(at, surface.wo_local, wi_local, TransportMode::radiance);
     if (is_black(value.f)) return false;
-    const float density = choice->pmf * sample->pdf;
+    const float density = choice.pmf * sample->pdf;
     const float weight =
         sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);
     result.sample = *sample;
@@ -138,7 +150,11 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
     ColorD sum(0);  // in double: there may be a million draws
     LightEstimate estimate;
     for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
-        if (!sample_light(scene, sampler, surface, draw, passes, bsdf_samples, stream, estimate)) {
+        const Vector2 u_light = stream.next_2d();
+        const Vector2 u = stream.next_2d();
+        const auto choice = sampler.sample(surface.receiver, draw, u_light.x);
+        if (!choice ||
+            !sample_light(scene, *choice, surface, u, passes, bsdf_samples, estimate)) {
             continue;
         }
         if (!scene.occluded(surface.receiver, estimate.sample)) sum += ColorD(estimate.value);

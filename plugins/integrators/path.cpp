@@ -49,6 +49,7 @@ private:
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
         Vector2 u_direction{0}, u_lobe_and_roulette{0};
         std::optional<LitSurface> surface;
+        Vector2 u_light{0};  ///< place on the light
         LightEstimate light;
         ColorD direct{0};
     };
@@ -100,14 +101,25 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
         path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
         path->direct = ColorD(0);  // in double: there may be a million draws
     }
-    Paths lit;
+    Paths lit, asking;
     lit.reserve(paths.size());
+    for (Path* path : paths) {
+        if (any(path->surface->lobes & smooth_lobes)) asking.push_back(path);
+    }
+    std::vector<LightQuery> queries(asking.size());
     for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
+        for (std::size_t i = 0; i < asking.size(); ++i) {
+            Path& path = *asking[i];
+            queries[i] = {.at = &path.surface->receiver, .u = path.sample->stream.next_2d().x};
+            path.u_light = path.sample->stream.next_2d();
+        }
+        choose_lights(scene, light_sampler_, draw, queries);
         lit.clear();
-        for (Path* path : paths) {
-            if (!any(path->surface->lobes & smooth_lobes)) continue;
-            if (sample_light(scene, light_sampler_, *path->surface, draw, 1, 1,
-                             path->sample->stream, path->light)) {
+        for (std::size_t i = 0; i < asking.size(); ++i) {
+            Path* const path = asking[i];
+            const std::optional<LightChoice>& choice = queries[i].choice;
+            if (choice && sample_light(scene, *choice, *path->surface, path->u_light, 1, 1,
+                                       path->light)) {
                 lit.push_back(path);
             }
         }

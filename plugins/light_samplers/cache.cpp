@@ -44,6 +44,14 @@ struct Shares {
     alignas(32) float weights[most_lights];  ///< of the lanes of the cell
 };
 
+/// A draw: the light that it chose, or the walk down the tree that is left to do.
+struct Draw {
+    std::optional<LightChoice> light;
+    std::optional<LightTree8::Walk> walk;
+    float pmf = 0;                      ///< of the walk
+    const LightCell* others = nullptr;  ///< whose lights are not for the walk to find
+};
+
 class CacheLightSampler final : public LightSampler {
 public:
     explicit CacheLightSampler(const Params& params);
@@ -52,6 +60,7 @@ public:
     std::uint32_t draws() const override { return lights_.count() > 0 ? draws_ : 0; }
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override;
+    void sample_batch(std::uint32_t draw, std::span<LightQuery> queries) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;
     std::size_t bytes() const override {
         std::size_t sum = lights_.tree.bytes() + lights_.every.bytes() + grid_.bytes();
@@ -65,7 +74,9 @@ private:
     void make_cells(const Scene& scene);
     const LightCell* find_cell(const Receiver& at) const;
     const Shares& shares_at(const Receiver& at) const;
-    std::optional<LightChoice> sample_lists(const Shares& shares, double place) const;
+    Draw begin(const Receiver& at, std::uint32_t draw, float u) const;
+    Draw begin_in_lists(const Shares& shares, double place) const;
+    std::optional<LightChoice> end(const Draw& draw) const;
     float infinite_pmf(std::uint32_t i) const {
         return static_cast<float>(lights_.infinite_power.pmf(i));
     }
@@ -263,51 +274,80 @@ const Shares& CacheLightSampler::shares_at(const Receiver& at) const {
     return shares;
 }
 
-/// The light at a place in [0, total weight of the lists).
-std::optional<LightChoice> CacheLightSampler::sample_lists(const Shares& shares,
-                                                           double place) const {
+/// The draw at a place in [0, total weight of the lists).
+Draw CacheLightSampler::begin_in_lists(const Shares& shares, double place) const {
     const LightCell& cell = *shares.cell;
-    const auto scale = static_cast<float>(draws_);
+    const float scale = shares.list * static_cast<float>(draws_);
     const auto far = static_cast<double>(cell.far.total());
     const auto clusters = static_cast<double>(cell.clusters.total());
     if (place >= far + clusters) {
         const std::size_t lane = cell.near.draw(shares.weights, place - (far + clusters));
         if (lane < cell.near.lights().size()) {
-            return LightChoice{cell.near.lights()[lane],
-                               scale * (shares.list * shares.weights[lane])};
+            return {.light = LightChoice{cell.near.lights()[lane], scale * shares.weights[lane]}};
         }
     }
     if (place >= far && cell.clusters.size() > 0) {
         const FarLights::Choice cluster = cell.clusters.draw(place - far);
-        const auto light = lights_.tree.sample(LitPoint(shares.at), cluster.rest, cluster.light);
-        if (!light) return {};
-        return LightChoice{light->light, scale * (shares.list * cluster.weight * light->pmf)};
+        return {.walk = LightTree8::Walk(LitPoint(shares.at), cluster.rest, cluster.light),
+                .pmf = scale * cluster.weight};
     }
     if (cell.far.size() == 0) return {};
     const FarLights::Choice far_light = cell.far.draw(place);
-    return LightChoice{far_light.light, scale * (shares.list * far_light.weight)};
+    return {.light = LightChoice{far_light.light, scale * far_light.weight}};
 }
 
-std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,
-                                                     float u) const {
-    if (only_) return LightChoice{*only_, static_cast<float>(draws_)};
-    const Shares& shares = shares_at(at);
+Draw CacheLightSampler::begin(const Receiver& at, std::uint32_t draw, float u) const {
     const auto scale = static_cast<float>(draws_);
+    if (only_) return {.light = LightChoice{*only_, scale}};
+    const Shares& shares = shares_at(at);
     double place = fine_number(at, draw, draws_, u);
     const auto infinite = static_cast<double>(shares.infinite);
     if (place < infinite) {
         const std::uint32_t i =
             lights_.infinite_power.sample(std::min(place / infinite, 1 - 0x1p-53));
-        return LightChoice{lights_.infinite[i], scale * (shares.infinite * infinite_pmf(i))};
+        return {.light = LightChoice{lights_.infinite[i],
+                                     scale * (shares.infinite * infinite_pmf(i))}};
     }
     const auto tree = static_cast<double>(shares.tree);
     if (shares.cell && place < 1 - tree) {
-        return sample_lists(shares, (place - infinite) / static_cast<double>(shares.list));
+        return begin_in_lists(shares, (place - infinite) / static_cast<double>(shares.list));
     }
+    if (lights_.tree.empty()) return {};
     const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
-    const auto choice = lights_.tree.sample(LitPoint(at), rest);
-    if (!choice || (shares.cell && shares.cell->holds(choice->light, lights_.tree))) return {};
-    return LightChoice{choice->light, scale * (shares.tree * choice->pmf)};
+    return {.walk = LightTree8::Walk(LitPoint(at), rest),
+            .pmf = scale * shares.tree,
+            .others = shares.cell};
+}
+
+std::optional<LightChoice> CacheLightSampler::end(const Draw& draw) const {
+    if (!draw.walk) return draw.light;
+    const auto choice = draw.walk->choice();
+    if (!choice || (draw.others && draw.others->holds(choice->light, lights_.tree))) return {};
+    return LightChoice{choice->light, draw.pmf * choice->pmf};
+}
+
+std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,
+                                                     float u) const {
+    Draw one = begin(at, draw, u);
+    while (one.walk && lights_.tree.step(*one.walk)) {
+    }
+    return end(one);
+}
+
+void CacheLightSampler::sample_batch(std::uint32_t draw, std::span<LightQuery> queries) const {
+    constexpr std::size_t most = 16;  // whose nodes stay in the first cache
+    for (; queries.size() > most; queries = queries.subspan(most)) {
+        sample_batch(draw, queries.first(most));
+    }
+    Draw draws[most];
+    LightTree8::Walk* walks[most];
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        draws[i] = begin(*queries[i].at, draw, queries[i].u);
+        if (draws[i].walk) walks[count++] = &*draws[i].walk;
+    }
+    lights_.tree.finish(std::span(walks, count));
+    for (std::size_t i = 0; i < queries.size(); ++i) queries[i].choice = end(draws[i]);
 }
 
 float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
@@ -322,16 +362,16 @@ float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
     if (shares.cell && lights_.tree.holds(light)) {
         const std::size_t lane = shares.cell->near.find(light);
         if (lane < shares.cell->near.lights().size()) {
-            return scale * (shares.list * shares.weights[lane]);
+            return shares.list * scale * shares.weights[lane];
         }
         const float far = shares.cell->far.weight_of(light);
-        if (far > 0) return scale * (shares.list * far);
+        if (far > 0) return shares.list * scale * far;
         if (const auto cluster = shares.cell->cluster_of(light, lights_.tree)) {
             const float pmf = lights_.tree.pmf(LitPoint(at), light, cluster->light);
-            return scale * (shares.list * cluster->weight * pmf);
+            return shares.list * scale * cluster->weight * pmf;
         }
     }
-    return shares.tree > 0 ? scale * (shares.tree * lights_.tree.pmf(LitPoint(at), light)) : 0.0f;
+    return shares.tree > 0 ? scale * shares.tree * lights_.tree.pmf(LitPoint(at), light) : 0.0f;
 }
 
 }  // namespace

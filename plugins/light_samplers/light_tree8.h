@@ -29,6 +29,25 @@ public:
         std::uint8_t count = 0;
     };
 
+    /// A draw on its way from a node down to a light.
+    class Walk {
+    public:
+        /// u in [0, 1).
+        Walk(const LitPoint& at, double u, std::uint32_t node = 0) : at_(at), u_(u), place_(node) {}
+
+        /// The light at which it has ended. Empty: no light of the cluster that it met can reach the point.
+        std::optional<Choice> choice() const {
+            return pmf_ > 0 ? std::optional(Choice{place_, pmf_}) : std::nullopt;
+        }
+
+    private:
+        friend LightTree8;
+        LitPoint at_;
+        double u_;
+        std::uint32_t place_;  ///< the node, at the end the light
+        float pmf_ = 1;
+    };
+
     LightTree8() = default;
     /// Of lights whose indices in the scene are below `light_count`.
     LightTree8(LightList lights, std::size_t light_count, const Workers& workers);
@@ -36,9 +55,30 @@ public:
     bool empty() const { return nodes_.empty(); }
     std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
     const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
+    /// Goes down by one node; false if the walk has ended. The tree must not be empty.
+    bool step(Walk& walk) const;
+    /// Ends all of them, step by step together: while one waits for memory, the others go on.
+    void finish(std::span<Walk*> walks) const {
+        for (const Walk* walk : walks) prefetch(*walk);
+        while (!walks.empty()) {
+            std::size_t left = 0;
+            for (Walk* walk : walks) {
+                if (!step(*walk)) continue;
+                prefetch(*walk);
+                walks[left++] = walk;
+            }
+            walks = walks.first(left);
+        }
+    }
     /// Draws one of the lights below a node; u in [0, 1). Empty: no light of the cluster that it
     /// met can reach the point.
-    std::optional<Choice> sample(const LitPoint& at, double u, std::uint32_t node = 0) const;
+    std::optional<Choice> sample(const LitPoint& at, double u, std::uint32_t node = 0) const {
+        if (nodes_.empty()) return {};
+        Walk walk(at, u, node);
+        while (step(walk)) {
+        }
+        return walk.choice();
+    }
     /// The same number that `sample` reports for the light; zero if it is not below the node.
     float pmf(const LitPoint& at, std::uint32_t light, std::uint32_t node = 0) const;
     /// Whether the light is in the tree, and its lane in a node.
@@ -65,12 +105,18 @@ public:
 
 private:
     using Weights = float[LightLanes::width];
+    /// Asks the memory for what the next step will read.
+    void prefetch(const Walk& walk) const {
+        const auto* const node = reinterpret_cast<const char*>(&nodes_[walk.place_]);
+        for (std::size_t i = 0; i < sizeof(Node); i += 64) __builtin_prefetch(node + i);
+    }
     std::uint32_t collapse(const LightTree& binary, std::uint32_t root, std::uint32_t parent,
                            std::size_t slot, const std::vector<float>& facing,
                            const std::vector<float>& strongest);
 
     std::vector<Node, HugePages<Node>> nodes_;
-    std::vector<std::uint32_t> place_;  ///< of each light of the scene: 8 · node + lane
+    std::vector<std::uint32_t, HugePages<std::uint32_t>>
+        place_;  ///< of each light of the scene: 8 · node + lane
 };
 
 inline LightTree8::LightTree8(LightList lights, std::size_t light_count, const Workers& workers)
@@ -131,33 +177,30 @@ inline std::uint32_t LightTree8::collapse(const LightTree& binary, std::uint32_t
     return index;
 }
 
-inline std::optional<LightTree8::Choice> LightTree8::sample(const LitPoint& at, double u,
-                                                            std::uint32_t index) const {
-    float pmf = 1;
-    while (!nodes_.empty()) {
-        const Node& node = nodes_[index];
-        Weights w;
-        contributions(node.lanes, at, w);
-        const float total = LightLanes::sum(w);
-        if (!(total > 0)) break;
-        const double place = u * static_cast<double>(total);
-        double before = 0;
-        std::size_t chosen = LightLanes::width;
-        double start = 0;
-        for (std::size_t i = 0; i < node.count; ++i) {
-            if (!(w[i] > 0)) continue;
-            if (chosen != LightLanes::width && place < before) break;
-            chosen = i;
-            start = before;
-            before += static_cast<double>(w[i]);
-        }
-        u = std::clamp((place - start) / static_cast<double>(w[chosen]), 0.0, 1 - 0x1p-53);
-        pmf *= w[chosen] / total;
-        if (!(pmf > 0)) break;
-        if (node.leaves >> chosen & 1) return Choice{node.link[chosen], pmf};
-        index = node.link[chosen];
+inline bool LightTree8::step(Walk& walk) const {
+    const Node& node = nodes_[walk.place_];
+    Weights w;
+    contributions(node.lanes, walk.at_, w);
+    const float total = LightLanes::sum(w);
+    if (!(total > 0)) {
+        walk.pmf_ = 0;
+        return false;
     }
-    return {};
+    const double place = walk.u_ * static_cast<double>(total);
+    double before = 0;
+    std::size_t chosen = LightLanes::width;
+    double start = 0;
+    for (std::size_t i = 0; i < node.count; ++i) {
+        if (!(w[i] > 0)) continue;
+        if (chosen != LightLanes::width && place < before) break;
+        chosen = i;
+        start = before;
+        before += static_cast<double>(w[i]);
+    }
+    walk.u_ = std::clamp((place - start) / static_cast<double>(w[chosen]), 0.0, 1 - 0x1p-53);
+    walk.pmf_ *= w[chosen] / total;
+    walk.place_ = node.link[chosen];
+    return walk.pmf_ > 0 && (node.leaves >> chosen & 1) == 0;
 }
 
 inline float LightTree8::pmf(const LitPoint& at, std::uint32_t light, std::uint32_t top) const {
