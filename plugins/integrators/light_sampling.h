@@ -153,8 +153,7 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
         const Vector2 u_light = stream.next_2d();
         const Vector2 u = stream.next_2d();
         const auto choice = sampler.sample(surface.receiver, draw, u_light.x);
-        if (!choice ||
-            !sample_light(scene, *choice, surface, u, passes, bsdf_samples, estimate)) {
+        if (!choice || !sample_light(scene, *choice, surface, u, passes, bsdf_samples, estimate)) {
             continue;
         }
         if (!scene.occluded(surface.receiver, estimate.sample)) sum += ColorD(estimate.value);

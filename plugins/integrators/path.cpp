@@ -118,8 +118,8 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
         for (std::size_t i = 0; i < asking.size(); ++i) {
             Path* const path = asking[i];
             const std::optional<LightChoice>& choice = queries[i].choice;
-            if (choice && sample_light(scene, *choice, *path->surface, path->u_light, 1, 1,
-                                       path->light)) {
+            if (choice &&
+                sample_light(scene, *choice, *path->surface, path->u_light, 1, 1, path->light)) {
                 lit.push_back(path);
             }
         }

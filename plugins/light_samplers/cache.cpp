@@ -44,6 +44,11 @@ struct Shares {
     alignas(32) float weights[most_lights];  ///< of the lanes of the cell
 };
 
+Shares& thread_shares() {
+    thread_local Shares shares;
+    return shares;
+}
+
 /// A draw: the light that it chose, or the walk down the tree that is left to do.
 struct Draw {
     std::optional<LightChoice> light;
@@ -74,7 +79,8 @@ private:
     void make_cells(const Scene& scene);
     const LightCell* find_cell(const Receiver& at) const;
     const Shares& shares_at(const Receiver& at) const;
-    Draw begin(const Receiver& at, std::uint32_t draw, float u) const;
+    const Shares& share_out(const Receiver& at, const LightCell* cell) const;
+    Draw begin(const Receiver& at, const Shares& shares, std::uint32_t draw, float u) const;
     Draw begin_in_lists(const Shares& shares, double place) const;
     std::optional<LightChoice> end(const Draw& draw) const;
     float infinite_pmf(std::uint32_t i) const {
@@ -254,14 +260,18 @@ const LightCell* CacheLightSampler::find_cell(const Receiver& at) const {
 }
 
 const Shares& CacheLightSampler::shares_at(const Receiver& at) const {
-    thread_local Shares shares;
-    if (shares.owner == id_ && is_same_place(shares.at, at)) return shares;
+    const Shares& last = thread_shares();
+    if (last.owner == id_ && is_same_place(last.at, at)) return last;
+    return share_out(at, find_cell(at));
+}
+
+const Shares& CacheLightSampler::share_out(const Receiver& at, const LightCell* cell) const {
+    Shares& shares = thread_shares();
     shares.owner = id_;
     shares.at = at;
     shares.cell = nullptr;
     shares.infinite = lights_.infinite_share();
     shares.tree = 1 - shares.infinite;
-    const LightCell* const cell = find_cell(at);
     if (!cell) return shares;
     cell->near.weigh(LitPoint(at), shares.weights);
     const float total = cell->infinite + cell->far.total() + cell->clusters.total() +
@@ -296,17 +306,16 @@ Draw CacheLightSampler::begin_in_lists(const Shares& shares, double place) const
     return {.light = LightChoice{far_light.light, scale * far_light.weight}};
 }
 
-Draw CacheLightSampler::begin(const Receiver& at, std::uint32_t draw, float u) const {
+Draw CacheLightSampler::begin(const Receiver& at, const Shares& shares, std::uint32_t draw,
+                              float u) const {
     const auto scale = static_cast<float>(draws_);
-    if (only_) return {.light = LightChoice{*only_, scale}};
-    const Shares& shares = shares_at(at);
     double place = fine_number(at, draw, draws_, u);
     const auto infinite = static_cast<double>(shares.infinite);
     if (place < infinite) {
         const std::uint32_t i =
             lights_.infinite_power.sample(std::min(place / infinite, 1 - 0x1p-53));
-        return {.light = LightChoice{lights_.infinite[i],
-                                     scale * (shares.infinite * infinite_pmf(i))}};
+        return {.light =
+                    LightChoice{lights_.infinite[i], scale * (shares.infinite * infinite_pmf(i))}};
     }
     const auto tree = static_cast<double>(shares.tree);
     if (shares.cell && place < 1 - tree) {
@@ -328,22 +337,33 @@ std::optional<LightChoice> CacheLightSampler::end(const Draw& draw) const {
 
 std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,
                                                      float u) const {
-    Draw one = begin(at, draw, u);
+    if (only_) return LightChoice{*only_, static_cast<float>(draws_)};
+    Draw one = begin(at, shares_at(at), draw, u);
     while (one.walk && lights_.tree.step(*one.walk)) {
     }
     return end(one);
 }
 
 void CacheLightSampler::sample_batch(std::uint32_t draw, std::span<LightQuery> queries) const {
+    if (only_) return LightSampler::sample_batch(draw, queries);
     constexpr std::size_t most = 16;  // whose nodes stay in the first cache
     for (; queries.size() > most; queries = queries.subspan(most)) {
         sample_batch(draw, queries.first(most));
+    }
+    const LightCell* cells[most];
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        cells[i] = find_cell(*queries[i].at);
+        if (cells[i]) cells[i]->prefetch(LightCell::Prefetch::addresses);
+    }
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        if (cells[i]) cells[i]->prefetch(LightCell::Prefetch::data);
     }
     Draw draws[most];
     LightTree8::Walk* walks[most];
     std::size_t count = 0;
     for (std::size_t i = 0; i < queries.size(); ++i) {
-        draws[i] = begin(*queries[i].at, draw, queries[i].u);
+        const Receiver& at = *queries[i].at;
+        draws[i] = begin(at, share_out(at, cells[i]), draw, queries[i].u);
         if (draws[i].walk) walks[count++] = &*draws[i].walk;
     }
     lights_.tree.finish(std::span(walks, count));

@@ -9,6 +9,7 @@
 #include "core/math/sequences.h"
 #include "core/scene/scene.h"
 
+#include <bit>
 #include <vector>
 
 namespace lucerna {
@@ -27,7 +28,7 @@ public:
           size_(size) {}
 
     /// Edge of the cells at `p`: the size of the scene times a power of two.
-    float edge(Vector3 p) const { return std::ldexp(unit_, -level(p)); }
+    float edge(Vector3 p) const { return unit_ / per_unit(level(p)); }
 
     /// `p` from the middle of the scene, in units of its size.
     Vector3 relative(Vector3 p) const { return (p - origin_) / unit_; }
@@ -51,11 +52,12 @@ public:
 
     /// Cells in the order of this list.
     void index(const std::vector<std::uint64_t>& keys) {
-        slots_.assign(std::bit_ceil(2 * keys.size() + 1), {0, none});
+        keys_ = keys;
+        slots_.assign(std::bit_ceil(2 * keys.size() + 1), none);
         for (std::uint32_t i = 0; i < keys.size(); ++i) {
             std::size_t slot = mix64(keys[i]) & (slots_.size() - 1);
-            while (slots_[slot].key != 0) slot = (slot + 1) & (slots_.size() - 1);
-            slots_[slot] = {keys[i], i};
+            while (slots_[slot] != none) slot = (slot + 1) & (slots_.size() - 1);
+            slots_[slot] = i;
         }
     }
     /// Number of the cell, or `none`.
@@ -63,33 +65,32 @@ public:
         if (slots_.empty()) return none;
         for (std::size_t slot = mix64(key) & (slots_.size() - 1);;
              slot = (slot + 1) & (slots_.size() - 1)) {
-            if (slots_[slot].key == key) return slots_[slot].cell;
-            if (slots_[slot].key == 0) return none;
+            const std::uint32_t cell = slots_[slot];
+            if (cell == none || keys_[cell] == key) return cell;
         }
     }
-    std::size_t bytes() const { return slots_.capacity() * sizeof(Slot); }
+    std::size_t bytes() const {
+        return keys_.capacity() * sizeof(std::uint64_t) + slots_.capacity() * sizeof(std::uint32_t);
+    }
 
 private:
-    struct Slot {
-        std::uint64_t key;
-        std::uint32_t cell;
-    };
-
+    /// Cells of the level are 2^−level of the scene.
     int level(Vector3 p) const {
         const float wanted = size_ * glm::length(p - eye_) / unit_;
-        const int exponent = wanted > 0 ? std::ilogb(wanted) : -17;
+        const int exponent = static_cast<int>(std::bit_cast<std::uint32_t>(wanted) >> 23) - 127;
         return std::clamp(-1 - exponent, 0, 16);  // 18 bits hold the slabs of half a scene
     }
+    static float per_unit(int level) { return static_cast<float>(1 << level); }
 
     std::uint64_t key(Vector3 p, std::uint64_t face) const {
         const int l = level(p);
-        const Vector3 x = (p - origin_) * (std::ldexp(1.0f, l) / unit_);
+        const Vector3 x = (p - origin_) * (per_unit(l) / unit_);
         std::uint64_t key = (1 + static_cast<std::uint64_t>(l)) << 3 | face;
         for (std::uint64_t i = 0; i < 3; ++i) {
             const float pieces = face < 6 && face / 2 == i ? slabs : 1.0f;
-            const float place = std::floor(pieces * x[static_cast<int>(i)]);
-            const float cell = std::clamp(place, -131071.0f, 131071.0f);
-            key = key << 18 | static_cast<std::uint64_t>(static_cast<int>(cell) + 131072);
+            const float place = pieces * x[static_cast<int>(i)];
+            const float cell = std::clamp(place, -131071.0f, 131070.0f) + 131072;  // rounds down
+            key = key << 18 | static_cast<std::uint64_t>(static_cast<int>(cell));
         }
         return key;
     }
@@ -106,7 +107,8 @@ private:
     Vector3 eye_{0}, origin_{0};
     float unit_ = 1;
     float size_ = 1;
-    std::vector<Slot> slots_;
+    std::vector<std::uint64_t> keys_;   ///< of the cells
+    std::vector<std::uint32_t> slots_;  ///< of the hash table: cells, or `none`
 };
 
 }  // namespace lucerna

@@ -31,13 +31,17 @@ public:
 
     /// Number of lights that are kept.
     std::size_t size() const { return kept_; }
-    float total() const { return until_.empty() ? 0.0f : static_cast<float>(until_.back()); }
+    float total() const { return total_; }
     /// Zero if the light is not kept.
     float weight_of(std::uint32_t light) const {
         if (lights_.empty()) return light < codes_.size() ? weight(light) : 0.0f;
         const auto it = std::lower_bound(lights_.begin(), lights_.end(), light);
         if (it == lights_.end() || *it != light) return 0;
         return weight(static_cast<std::size_t>(it - lights_.begin()));
+    }
+    /// Asks the memory for what a draw reads first.
+    void prefetch() const {
+        for (std::size_t i = 0; i < until_.size(); i += 8) __builtin_prefetch(&until_[i]);
     }
     /// The light at a place in [0, total); there must be one.
     Choice draw(double place) const;
@@ -68,6 +72,7 @@ private:
     std::uint32_t base_ = 0;             ///< what codes count from
     std::vector<double> until_;          ///< sum of the weights up to the end of each block
     std::size_t kept_ = 0;
+    float total_ = 0;
 };
 
 inline void FarLights::encode(std::span<const float> weights) {
@@ -92,6 +97,7 @@ inline void FarLights::encode(std::span<const float> weights) {
         sum += static_cast<double>(weight(i));
         until_[i / block] = sum;
     }
+    total_ = static_cast<float>(sum);
 }
 
 inline void FarLights::assign(std::vector<std::pair<std::uint32_t, float>> lights) {
@@ -118,6 +124,7 @@ inline FarLights::Choice FarLights::draw(double place) const {
     const auto found =
         it != until_.end() ? it : std::lower_bound(until_.begin(), until_.end(), until_.back());
     const auto b = static_cast<std::size_t>(found - until_.begin());
+    if (!lights_.empty()) __builtin_prefetch(&lights_[block * b]);
     double end = b > 0 ? until_[b - 1] : 0.0, start = end;
     Choice choice{0, 0, 0};
     for (std::size_t i = block * b; i < std::min(block * (b + 1), codes_.size()); ++i) {

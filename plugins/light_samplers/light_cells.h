@@ -33,6 +33,18 @@ struct LightCell {
     float tail = 1;      ///< share of draws that the tree gets
     float infinite = 0;  ///< contribution of all lights at infinity together
 
+    /// Asks the memory for what a draw will read first: where the lists are, then them.
+    enum class Prefetch { addresses, data };
+    void prefetch(Prefetch what) const {
+        if (what == Prefetch::data) {
+            near.prefetch();
+            clusters.prefetch();
+            return;
+        }
+        const auto* const begin = reinterpret_cast<const char*>(this);
+        for (std::size_t i = 0; i < sizeof(*this); i += 64) __builtin_prefetch(begin + i);
+    }
+
     bool is_empty() const { return near.blocks() + far.size() + clusters.size() == 0; }
     /// The cluster that a light of the tree belongs to.
     std::optional<FarLights::Choice> cluster_of(std::uint32_t light, const LightTree8& tree) const {

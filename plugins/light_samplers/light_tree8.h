@@ -35,7 +35,8 @@ public:
         /// u in [0, 1).
         Walk(const LitPoint& at, double u, std::uint32_t node = 0) : at_(at), u_(u), place_(node) {}
 
-        /// The light at which it has ended. Empty: no light of the cluster that it met can reach the point.
+        /// The light at which it has ended. Empty: no light of the cluster that it met can reach
+        /// the point.
         std::optional<Choice> choice() const {
             return pmf_ > 0 ? std::optional(Choice{place_, pmf_}) : std::nullopt;
         }

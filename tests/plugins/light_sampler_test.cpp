@@ -82,6 +82,28 @@ TEST_P(SeenLights, E7_E8_E9_ProbabilitiesHoldAtPointsThatTheCameraSees) {
     EXPECT_GT(checked, 2000);
 }
 
+TEST_P(SeenLights, drawing_at_many_points_is_drawing_at_each) {
+    const TestScene test(courtyard(""));
+    const PreparedSampler prepared(tested_sampler(GetParam()), test.scene());
+    const LightSampler& sampler = *prepared;
+    const std::vector<Receiver> points = seen_points(test.scene(), 300);
+    std::vector<LightQuery> queries;
+    Rng rng(5);
+    for (const Receiver& at : points) queries.push_back({.at = &at, .u = rng.next_float()});
+    const std::uint32_t last = sampler.draws() - 1;
+    sampler.sample_batch(last, queries);
+    int chosen = 0;
+    for (const LightQuery& query : queries) {
+        const auto choice = sampler.sample(*query.at, last, query.u);
+        ASSERT_EQ(query.choice.has_value(), choice.has_value());
+        if (!choice) continue;
+        ++chosen;
+        EXPECT_EQ(query.choice->light, choice->light);
+        EXPECT_EQ(query.choice->pmf, choice->pmf);
+    }
+    EXPECT_GT(chosen, 100);
+}
+
 TEST_P(SeenLights, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
     const TestScene test(courtyard(""));
     const std::size_t lights = test.scene().lights().size();
