@@ -386,9 +386,10 @@ float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
         }
         const float far = shares.cell->far.weight_of(light);
         if (far > 0) return shares.list * scale * far;
-        if (const auto cluster = shares.cell->cluster_of(light, lights_.tree)) {
+        // Of a light that the cluster does not hold this is zero, too.
+        if (const auto cluster = shares.cell->clusters.last_up_to(lights_.tree.node_of(light))) {
             const float pmf = lights_.tree.pmf(LitPoint(at), light, cluster->light);
-            return shares.list * scale * cluster->weight * pmf;
+            if (pmf > 0) return shares.list * scale * cluster->weight * pmf;
         }
     }
     return shares.tree > 0 ? scale * shares.tree * lights_.tree.pmf(LitPoint(at), light) : 0.0f;

@@ -212,8 +212,8 @@ inline float LightTree8::pmf(const LitPoint& at, std::uint32_t light, std::uint3
     for (std::uint32_t at_lane = place_[light];;) {
         path[length++] = at_lane;
         if (at_lane / 8 == top) break;
+        if (at_lane / 8 < top) return 0;
         const Node& node = nodes_[at_lane / 8];
-        if (node.parent == none) return 0;
         at_lane = 8 * node.parent + node.slot;
     }
     float pmf = 1;
