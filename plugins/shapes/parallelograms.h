@@ -50,6 +50,19 @@ public:
         return {.p = it.point(u), .n = it.normal, .uv = u, .error = it.error, .pdf = 1 / it.area};
     }
 
+    void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t,
+                           SurfaceSampleLanes& out) const final {
+        const Entry it = entries_[primitive];  // which `out` cannot overlap
+        const float pdf = 1 / it.area;
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            out.p.set(i, it.point(u[i]));
+            out.n.set(i, it.normal);
+            out.error[i] = it.error;
+            out.pdf[i] = pdf;
+        }
+        out.uv = u;
+    }
+
     std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,
                                                     Vector2 u) const final {
         const std::optional<SphericalRectangle> seen = spherical_rectangle(from.p, primitive);
