@@ -24,6 +24,8 @@ void fill_through_instance(const SceneHit& met, const Ray& ray, Interaction& at)
     const auto instance = std::get<InstanceGeometry>(met.instance->geometry());
     const Transform& world_from_group = instance.world_from_group;
     const Transform group_from_world = world_from_group.inverse();
+    // Shapes may leave them as they are; from an earlier hit they would be transformed once more.
+    at.dpdu = Vector3(1, 0, 0), at.dpdv = Vector3(0, 1, 0);
     const Ray local{.o = group_from_world.point(ray.o),
                     .d = group_from_world.direction(ray.d),
                     .tmax = ray.tmax};

@@ -672,6 +672,25 @@ TEST(Instance, B11_shows_what_the_shape_itself_would) {
     EXPECT_LT(glm::length(box.max - expected.max), 1e-5f);
 }
 
+TEST(Instance, hits_depend_on_nothing_that_was_hit_before) {
+    const World world("<shape type='shapegroup' id='g'>" + shape("cube") + "</shape>" +
+                      shape("instance", "<ref id='g'/>" + to_world("<scale x='9' y='7' z='8'/>"
+                                                                   "<rotate x='1' angle='40'/>")));
+    Rng rng(8);
+    TracedRay traced;
+    TracedRay* const rays[] = {&traced};
+    for (int i = 0; i < 200; ++i) {
+        const Vector3 target = 3.0f * square_to_uniform_sphere(rng.next_float2());
+        const Vector3 o(50, -30, 40);
+        traced.ray = {.o = o, .d = glm::normalize(target - o)};
+        world.scene().intersect(rays);
+        const auto alone = world.scene().intersect(traced.ray);
+        ASSERT_TRUE(traced.hit && alone);
+        EXPECT_EQ(traced.hit->shading.s, alone->shading.s);
+        EXPECT_EQ(traced.hit->shading.t, alone->shading.t);
+    }
+}
+
 TEST(Instance, what_cannot_be_shown_is_refused) {
     EXPECT_EQ(refusal(shape("instance")),
               "an instance needs a shapegroup: <shape type=\"shapegroup\" id=\"tree\">…</shape> in "
