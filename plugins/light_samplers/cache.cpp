@@ -51,8 +51,8 @@ Shares& thread_shares() {
 
 /// A draw: the light that it chose, or the walk down the tree that is left to do.
 struct Draw {
-    std::optional<LightChoice> light;
-    std::optional<LightTree8::Walk> walk;
+    std::optional<LightChoice> light{};
+    std::optional<LightTree8::Walk> walk{};
     float pmf = 0;                      ///< of the walk
     const LightCell* others = nullptr;  ///< whose lights are not for the walk to find
 };
