@@ -183,7 +183,7 @@ TEST_F(PhotonTracing, SamePhotonsForAnyNumberOfThreads) {
     EXPECT_EQ(one, places(7));
 }
 
-TEST(PhotonParameters, WrongOnesAreRefused) {
+TEST(PhotonParameters, F2_F4_WrongOnesAreRefused) {
     const auto message = [](const std::string& parameter, const std::string& type = "photonmap") {
         return refusal("<integrator type='" + type + "'>" + parameter + "</integrator>");
     };
