@@ -123,6 +123,49 @@ TEST(PhotonMapping, O6_F12_F14_RectangleLight) {
         0.004);
 }
 
+/// A sheet of paper between two equal lights is the same from both sides.
+TEST(PhotonMapping, F11_BothSidesOfATwoSidedSurface) {
+    const std::vector<Vector3d> corners = {
+        {-0.5, -0.5, 1}, {0.5, -0.5, 1}, {0.5, 0.5, 1}, {-0.5, 0.5, 1}};
+    const auto irradiance = [&](double x, double y) {
+        return polygon_irradiance(corners, {x, y, 0}, {0, 0, 1});
+    };
+    const Footprint seen{.x = 0, .y = 0, .half_width = 0.1};
+    const double radius = 0.1, height = 0.5;
+    std::string sheet =
+        shape("rectangle", scale(4), "<bsdf type='twosided'>" + diffuse(0.5) + "</bsdf>");
+    for (const double side : {1.0, -1.0}) {
+        sheet += shape("rectangle", scale(0.5) + look({0, 0, side}, {0, 0, 0}),
+                       diffuse(0) + area_light(1));
+    }
+    for (const double side : {1.0, -1.0}) {
+        SCOPED_TRACE(side);
+        const std::string content =
+            sheet + xml({.to_world = look({0, 0, side * height}, {0, 0, 0}),
+                         .fov = 2 * std::atan(seen.half_width / height) * 180 / pi});
+        const double size =
+            static_cast<double>(TestScene(path_integrator() + content).scene().bounds().radius());
+        EXPECT_TRUE(agrees(image_means(photons_only(radius, size) + content, 1, 8),
+                           smoothed(irradiance, seen, radius) / (2 * pi), 0.006));
+    }
+}
+
+/// A light that is black in two of four quarters: a quarter turn shows that it sends half of what
+/// it would send without, and photons that were aimed from the dark must count as emitted.
+TEST(PhotonMapping, F20_LightThatIsDarkInParts) {
+    const std::vector<Vector3d> corners = {
+        {-0.5, -0.5, 1}, {0.5, -0.5, 1}, {0.5, 0.5, 1}, {-0.5, 0.5, 1}};
+    check_light_above_floor(
+        shape("rectangle", scale(0.5) + look({0, 0, 1}, {0, 0, 0}),
+              diffuse(0) + "<emitter type='area'><texture name='radiance' type='checkerboard'>"
+                           "<rgb name='color0' value='0'/><rgb name='color1' value='1'/>"
+                           "</texture></emitter>"),
+        [&](double x, double y) {
+            return 0.5 * polygon_irradiance(corners, {x, y, 0}, {0, 0, 1});
+        },
+        0.006);
+}
+
 /// π L (R / d)² cos θ wherever the whole sphere is above the horizon.
 TEST(PhotonMapping, O7_SphereLight) {
     check_light_above_floor(
