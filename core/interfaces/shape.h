@@ -91,8 +91,8 @@ public:
     /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`. Unless
     /// `needs_tangents`, dpdu and dpdv may be left as they are, and any frame will do.
     virtual void fill(const Ray& ray, const Hit& hit, Interaction& at) const = 0;
-    /// Asks the memory for what `fill` will read of a primitive: first for what tells where that
-    /// is, then, when this has arrived, for the rest. Not called if there are few primitives.
+    /// Asks the memory for what hits and samples read of a primitive: first for what tells where
+    /// that is, then, when this has arrived, for the rest. Called only if that may be far away.
     enum class Prefetch { addresses, data };
     virtual void prefetch(std::uint32_t /*primitive*/, Prefetch) const {}
 

@@ -104,11 +104,14 @@ struct LitSurface {
           receiver(interaction.receiver(wo, sides(lobes))) {}
 };
 
-/// Draw number `draw` at many points. What sampling the chosen lights will read is on its way.
+/// Draw number `draw` at many points. If the lights do not fit into the nearest cache, what
+/// sampling the chosen ones will read is on its way.
 inline void choose_lights(const Scene& scene, const LightSampler& sampler, std::uint32_t draw,
                           std::span<LightQuery> queries) {
     sampler.sample_batch(draw, queries);
     const std::span<const Light> lights = scene.lights();
+    constexpr std::size_t few = 1024;
+    if (lights.size() < few) return;
     for (const LightQuery& query : queries) {
         if (query.choice) __builtin_prefetch(&lights[query.choice->light]);
     }
