@@ -21,7 +21,8 @@ struct PixelSample {
     Color radiance{0};        ///< [W/(m² sr)]
     float alpha = 1;          ///< 0 where the ray left the scene
     std::span<float> layers;  ///< one number per `layers()`, zero when called
-    std::size_t pixel = 0;    ///< which it is: x + y · width in the crop window
+    Color unfiltered{0};      ///< goes to the pixel as it is, if the integrator has such a thing
+    std::size_t pixel = 0;    ///< number of the pixel: see FilmLayout::sampled()
 };
 
 /// A camera ray, the random numbers that belong to it, and what the integrator makes of it.
@@ -47,6 +48,8 @@ public:
 
     /// Names of channels beside R, G, B, A, in EXR style: "albedo.R".
     virtual std::vector<std::string> layers() const { return {}; }
+    /// PixelSample::unfiltered counts: it has been through the reconstruction filter already.
+    virtual bool unfiltered() const { return false; }
 
     /// Lights are sampled at what the camera sees, itself or in mirrors, and after up to this many
     /// bounces off other surfaces; -1: nowhere. Light samplers prepare for no more.

@@ -46,11 +46,10 @@ struct Found {
 };
 
 /// Inverts a cumulative distribution; x lies in the bin also after rounding to float.
-Found invert(std::span<const double> cdf, double u) {
+Found invert(std::span<const double> cdf, std::span<const std::uint32_t> guide, double u) {
     u = std::clamp(u, 0.0, largest_below_one);
     const int n = static_cast<int>(cdf.size()) - 1;
-    const auto above = std::upper_bound(cdf.begin(), cdf.end(), u);
-    const auto index = static_cast<std::size_t>(above - cdf.begin() - 1);
+    const std::size_t index = InversionGuide::find(cdf, guide, u);
     const int bin = static_cast<int>(index);
     const double probability = cdf[index + 1] - cdf[index];
     float x = static_cast<float>((bin + (u - cdf[index]) / probability) / n);
@@ -113,12 +112,37 @@ DiscreteDistribution::Reused DiscreteDistribution::sample_reuse(double u) const 
     return {bin.alias, std::min((rest - bin.threshold) / (1 - bin.threshold), largest_below_one)};
 }
 
+void InversionGuide::fill(std::span<const double> cdf, std::span<std::uint32_t> guide) {
+    const std::size_t bins = cdf.size() - 1;
+    std::size_t bin = 0;
+    for (std::size_t k = 0; k < guide.size(); ++k) {
+        const double u = static_cast<double>(k) / static_cast<double>(guide.size() - 1);
+        while (bin + 1 < bins && cdf[bin + 1] <= u) ++bin;
+        guide[k] = static_cast<std::uint32_t>(bin);
+    }
+}
+
+std::size_t InversionGuide::find(std::span<const double> cdf, std::span<const std::uint32_t> guide,
+                                 double u) {
+    const std::size_t cells = guide.size() - 1;
+    const auto k = std::min(static_cast<std::size_t>(u * static_cast<double>(cells)), cells - 1);
+    // The product may have been rounded up to the next cell.
+    const std::size_t first = cdf[guide[k]] <= u ? guide[k] : guide[k - 1];
+    const auto begin = cdf.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = cdf.begin() + static_cast<std::ptrdiff_t>(guide[k + 1]) + 1;
+    return static_cast<std::size_t>(std::upper_bound(begin, end, u) - cdf.begin()) - 1;
+}
+
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const double> weights)
-    : cdf_(weights.size() + 1), total_(cumulate(weights, std::span(cdf_))) {}
+    : cdf_(weights.size() + 1),
+      guide_(InversionGuide::size(weights.size())),
+      total_(cumulate(weights, std::span(cdf_))) {
+    InversionGuide::fill(cdf_, guide_);
+}
 
 PiecewiseConstant1D::Sample PiecewiseConstant1D::sample(double u) const {
     if (empty()) return {0, 0, 0};
-    const Found found = invert(cdf_, u);
+    const Found found = invert(cdf_, guide_, u);
     return {found.x, static_cast<float>(found.probability * size()), found.index};
 }
 
@@ -137,10 +161,13 @@ PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int wid
     }
     const auto columns = static_cast<std::size_t>(width);
     std::vector<double> totals(static_cast<std::size_t>(height));
+    const std::size_t guide_size = InversionGuide::size(columns);
     cdfs_.resize(totals.size() * (columns + 1));
+    guides_.resize(totals.size() * guide_size);
     for (std::size_t row = 0; row < totals.size(); ++row) {
-        totals[row] = cumulate(weights.subspan(row * columns, columns),
-                               std::span(cdfs_).subspan(row * (columns + 1), columns + 1));
+        const auto cdf = std::span(cdfs_).subspan(row * (columns + 1), columns + 1);
+        totals[row] = cumulate(weights.subspan(row * columns, columns), cdf);
+        InversionGuide::fill(cdf, std::span(guides_).subspan(row * guide_size, guide_size));
     }
     rows_ = PiecewiseConstant1D(totals);
 }
@@ -148,7 +175,7 @@ PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int wid
 PiecewiseConstant2D::Sample PiecewiseConstant2D::sample(Vector2d u) const {
     if (empty()) return {Vector2(0), 0, Vector2i(0)};
     const PiecewiseConstant1D::Sample row = rows_.sample(u.y);
-    const Found found = invert(row_cdf(row.index), u.x);
+    const Found found = invert(row_cdf(row.index), row_guide(row.index), u.x);
     const double density = rows_.pmf(row.index) * height() * found.probability * width_;
     return {{found.x, row.x}, static_cast<float>(density), {found.index, row.index}};
 }
@@ -163,6 +190,11 @@ float PiecewiseConstant2D::pdf(Vector2 p) const {
 std::span<const double> PiecewiseConstant2D::row_cdf(int row) const {
     const std::size_t stride = static_cast<std::size_t>(width_) + 1;
     return std::span(cdfs_).subspan(static_cast<std::size_t>(row) * stride, stride);
+}
+
+std::span<const std::uint32_t> PiecewiseConstant2D::row_guide(int row) const {
+    const std::size_t size = InversionGuide::size(static_cast<std::size_t>(width_));
+    return std::span(guides_).subspan(static_cast<std::size_t>(row) * size, size);
 }
 
 }  // namespace lucerna

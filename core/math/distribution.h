@@ -64,6 +64,18 @@ private:
     double total_ = 0;
 };
 
+/// Where to begin the search of a cumulative distribution: entry k is the bin in which
+/// u = k / (entries − 1) lies, so that a few bins are left to look at (Chen and Asau 1974).
+class InversionGuide {
+public:
+    static std::size_t size(std::size_t bins) { return bins / 4 + 2; }
+    /// Fills a guide of `size(bins)` entries.
+    static void fill(std::span<const double> cdf, std::span<std::uint32_t> guide);
+    /// The bin of u in [0, 1): the last with cdf[bin] <= u.
+    static std::size_t find(std::span<const double> cdf, std::span<const std::uint32_t> guide,
+                            double u);
+};
+
 /// A density on [0, 1] that is constant in each of n equal bins.
 class PiecewiseConstant1D {
 public:
@@ -88,11 +100,13 @@ public:
 
 private:
     std::vector<double> cdf_;
+    std::vector<std::uint32_t> guide_;
     double total_ = 0;
 };
 
 /// A density on [0, 1]² that is constant in each cell of a grid, for example the pixels of an
-/// environment map: a row is drawn by its total, then a cell of the row.
+/// environment map: a row is drawn by its total, then a cell of the row, both in constant time. The
+/// map from u is monotonic in rows and in cells, which keeps what samplers stratify.
 class PiecewiseConstant2D {
 public:
     struct Sample {
@@ -117,10 +131,12 @@ public:
 
 private:
     std::span<const double> row_cdf(int row) const;
+    std::span<const std::uint32_t> row_guide(int row) const;
 
     PiecewiseConstant1D rows_;
-    /// One cumulative distribution of width + 1 values per row.
+    /// One cumulative distribution of width + 1 values per row, and its guide.
     std::vector<double> cdfs_;
+    std::vector<std::uint32_t> guides_;
     int width_ = 0;
 };
 

@@ -65,8 +65,9 @@ public:
         if (total > 0) {
             // The interval of the logarithm (delta method): a few pixels carry most of the error,
             // and the distribution of the logarithm is less skewed and stays above zero.
-            const double spread =
-                1.96 * std::sqrt(2 * relative.variance_of_mean()) / relative.mean();
+            const double spread = 1.96 *
+                                  std::sqrt(2 * image_.correlation * relative.variance_of_mean()) /
+                                  relative.mean();
             result.low *= std::exp(-spread);
             result.high *= std::exp(spread) * (1 + doubtful / total);
         }

@@ -14,6 +14,9 @@ struct NoisyImage {
     /// halves, so |A − B| / 2 for equal ones: its square is an unbiased estimate v of the variance
     /// of m. NaN for pixels that lack a half; they are left out.
     std::vector<float> mean = {}, deviation = {};
+    /// Σ ρ² over all pixels around, where ρ is the correlation of their noise with a pixel's: 1 if
+    /// pixels are independent. Their squared errors are correlated by ρ².
+    double correlation = 1;
 };
 
 /// Estimates of the squared error, over pixels and the channels R, G, B:

@@ -8,32 +8,35 @@ namespace lucerna {
 /// (Knuth's and Dekker's error-free additions; Shewchuk 1997, "Adaptive Precision
 /// Floating-Point Arithmetic", 2.3).
 ///
-/// Terms that are floats are summed without any error while their magnitudes span less than about
-/// 2⁶⁰ at a million terms. So adding the sums of two machines gives the bits of one machine that
-/// did it all.
-struct ExactSum {
-    double high = 0;
-    double low = 0;
+/// Terms are floats times integer weights below 2²⁸. They are summed without any error while their
+/// magnitudes span less than about 2³⁴ at a million terms. So adding the sums of two machines gives
+/// the bits of one machine that did it all.
+template <typename Number>
+struct ExactSumOf {
+    Number high{};
+    Number low{};
 
-    double value() const { return high + low; }
+    Number value() const { return high + low; }
 
-    void add(double x) {
-        const double sum = high + x;
-        const double part = sum - high;
-        const double error = (high - (sum - part)) + (x - part);
-        normalize(sum, low + error);
+    void add(const Number& x) {
+        const Number sum = high + x;
+        const Number part = sum - high;
+        const Number error = (high - (sum - part)) + (x - part);
+        const Number small = low + error;
+        high = sum + small;
+        low = small - (high - sum);
     }
 
-    void add(const ExactSum& x) {
+    void add(const ExactSumOf& x) {
         add(x.high);
         add(x.low);
     }
-
-private:
-    void normalize(double large, double small) {
-        high = large + small;
-        low = small - (high - large);
-    }
 };
+
+using ExactSum = ExactSumOf<double>;
+
+/// Four numbers that vector registers add together.
+using FourDoubles = double __attribute__((vector_size(32)));
+using FourExactSums = ExactSumOf<FourDoubles>;
 
 }  // namespace lucerna

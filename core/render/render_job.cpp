@@ -25,14 +25,28 @@ double seconds_between(std::chrono::steady_clock::time_point a,
 
 Vector2i tiles_in(Vector2i size) { return (size + tile_size - 1) / tile_size; }
 
+/// Tile number `index` of a window.
+CropWindow tile_of(const CropWindow& window, int index) {
+    const int tiles = tiles_in(window.size).x;
+    const Vector2i begin = tile_size * Vector2i(index % tiles, index / tiles);
+    return {.offset = window.offset + begin,
+            .size = glm::min(begin + tile_size, window.size) - begin};
+}
+
+int bands_in(const FilmLayout& layout) { return (layout.full_size.y + tile_size - 1) / tile_size; }
+
 }  // namespace
 
 FilmLayout film_layout(const Scene& scene) {
     const Film& film = scene.sensor().film();
+    const ReconstructionFilter filter(film.rfilter());
     return {.full_size = film.size(),
             .crop = film.crop(),
             .layers = scene.integrator().layers(),
-            .negative_weight = FilterSampler(film.rfilter()).negative_weight()};
+            .unfiltered = scene.integrator().unfiltered(),
+            .reach = filter.reach(),
+            .negative_weight = filter.negative_weight(),
+            .noise_correlation = filter.noise_correlation()};
 }
 
 RenderJob::RenderJob(const Scene& scene, RenderOptions options, FilmState film)
@@ -41,6 +55,7 @@ RenderJob::RenderJob(const Scene& scene, RenderOptions options, FilmState film)
       workers_(options_.threads),
       filter_(scene.sensor().film().rfilter()),
       state_(std::move(film)),
+      band_mutexes_(static_cast<std::size_t>(bands_in(state_.layout()))),
       start_(Clock::now()),
       rays_before_(ray_statistics().rays()),
       samples_(state_.complete_samples()),
@@ -55,52 +70,68 @@ RenderJob::RenderJob(const Scene& scene, RenderOptions options, FilmState film)
 
 double RenderJob::elapsed() const { return seconds_between(start_, Clock::now()); }
 
-/// Samples on their way to an estimator, and on to the film.
+/// Samples of a tile on their way to an estimator, and on to the film.
 class RenderJob::Batch {
 public:
-    Batch(const BatchEstimator& estimator, std::size_t size, FilmState& film)
+    Batch(const BatchEstimator& estimator, std::size_t size, const ReconstructionFilter& filter,
+          const CropWindow& window, const FilmLayout& layout)
         : estimator_(estimator),
           size_(size),
-          film_(film),
-          layer_count_(film.layout().layers.size()),
+          tile_(filter, window, layout.layers.size(), layout.unfiltered),
+          layer_count_(layout.layers.size()),
           layers_(size * layer_count_) {
         samples_.reserve(size);
+        places_.reserve(size);
     }
 
-    /// Number `index` of the sequence, for the pixel; its ray is to be set.
-    CameraSample& add(std::size_t pixel, const Sampler& sampler, std::uint64_t sequence,
-                      std::uint64_t index) {
-        if (samples_.size() == size_) finish();
-        CameraSample& sample = samples_.emplace_back(sampler, sequence, index);
-        sample.result.pixel = pixel;
+    /// Where a sample belongs.
+    struct Place {
+        Vector2i pixel{0};  ///< of the tile
+        Vector2 offset{0};  ///< in the pixel
+        int half = 0;
+    };
+
+    /// A sample whose ray is to be set.
+    CameraSample& add(const SampleStream& stream, const Place& place, std::size_t pixel) {
+        if (samples_.size() == size_) estimate();
+        PixelSample result;
+        result.pixel = pixel;
         if (layer_count_ > 0) {
-            sample.result.layers =
-                std::span(layers_).subspan((samples_.size() - 1) * layer_count_, layer_count_);
+            result.layers =
+                std::span(layers_).subspan(samples_.size() * layer_count_, layer_count_);
         }
-        negative_.push_back(false);
-        return sample;
+        places_.push_back(place);
+        return samples_.emplace_back(Ray(), stream, result);
     }
-    /// The filter is negative where the last sample lies.
-    void mark_negative() { negative_.back() = true; }
 
-    void finish() {
+    /// All samples that were added.
+    const FilmTile& finish() {
+        estimate();
+        return tile_;
+    }
+
+private:
+    void estimate() {
         if (samples_.empty()) return;
         std::fill(layers_.begin(), layers_.end(), 0.0f);
         estimator_(samples_);
         for (std::size_t i = 0; i < samples_.size(); ++i) {
-            film_.add(samples_[i].result.pixel, negative_[i], samples_[i].result);
+            const Place& place = places_[i];
+            tile_.add({.pixel = place.pixel,
+                       .offset = place.offset,
+                       .half = place.half,
+                       .value = samples_[i].result});
         }
         samples_.clear();
-        negative_.clear();
+        places_.clear();
     }
 
-private:
     const BatchEstimator& estimator_;
     std::size_t size_;
-    FilmState& film_;
+    FilmTile tile_;
     std::size_t layer_count_;
     std::vector<CameraSample> samples_;
-    std::vector<char> negative_;
+    std::vector<Place> places_;
     std::vector<float> layers_;
 };
 
@@ -159,55 +190,66 @@ void RenderJob::sample_pixels(SampleRange range, const Estimator& estimator) {
 
 void RenderJob::sample_pixels(SampleRange range, const BatchEstimator& estimator,
                               std::size_t size) {
-    const Vector2i tiles = tiles_in(state_.layout().crop.size);
+    const CropWindow window = state_.layout().sampled();
+    const Vector2i tiles = tiles_in(window.size);
     workers_.run(std::int64_t{tiles.x} * tiles.y, [&](std::int64_t index) {
         if (interrupted()) return;
-        const int i = static_cast<int>(index);
-        Batch batch(estimator, size, state_);
-        sample_tile(range, tile_size * Vector2i(i % tiles.x, i / tiles.x), batch);
-        batch.finish();
+        const CropWindow tile = tile_of(window, static_cast<int>(index));
+        Batch batch(estimator, size, filter_, tile, state_.layout());
+        sample_tile(range, tile, batch);
+        add(batch.finish());
         samples_of_tiles_ += static_cast<std::int64_t>(range.size());
         report();
     });
 }
 
-void RenderJob::sample_tile(SampleRange range, Vector2i tile, Batch& batch) {
-    const Vector2i end = glm::min(tile + tile_size, state_.layout().crop.size);
-    for (int y = tile.y; y < end.y; ++y) {
-        for (int x = tile.x; x < end.x; ++x) {
+/// Sums do not depend on the order of their terms, so it does not matter which tile comes first.
+void RenderJob::add(const FilmTile& tile) {
+    const CropWindow reached = tile.reached();
+    const int first = std::max(reached.offset.y, 0) / tile_size;
+    const int end = std::min(reached.offset.y + reached.size.y, state_.layout().full_size.y);
+    for (int band = first; band * tile_size < end; ++band) {
+        const std::lock_guard lock(band_mutexes_[static_cast<std::size_t>(band)]);
+        state_.add(tile, band * tile_size, (band + 1) * tile_size);
+    }
+}
+
+void RenderJob::sample_tile(SampleRange range, const CropWindow& tile, Batch& batch) {
+    for (int y = 0; y < tile.size.y; ++y) {
+        for (int x = 0; x < tile.size.x; ++x) {
             if (interrupted()) return;
-            sample_pixel(range, {x, y}, batch);
+            sample_pixel(range, tile.offset + Vector2i(x, y), {x, y}, batch);
         }
     }
 }
 
-void RenderJob::sample_pixel(SampleRange range, Vector2i pixel, Batch& batch) {
-    const CropWindow& crop = state_.layout().crop;
-    const std::size_t index =
-        static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(crop.size.x) +
-        static_cast<std::size_t>(pixel.x);
+void RenderJob::sample_pixel(SampleRange range, Vector2i pixel, Vector2i pixel_of_tile,
+                             Batch& batch) {
+    const CropWindow window = state_.layout().sampled();
+    const Vector2i in_window = pixel - window.offset;
+    const auto index = static_cast<std::size_t>(in_window.x + in_window.y * window.size.x);
     const Sensor& sensor = scene_.sensor();
-    const Vector2i position = crop.offset + pixel;
-    const std::uint64_t x = static_cast<std::uint64_t>(position.x);
-    const std::uint64_t y = static_cast<std::uint64_t>(position.y);
+    const auto x = static_cast<std::uint64_t>(pixel.x), y = static_cast<std::uint64_t>(pixel.y);
     const std::uint64_t sequences[2] = {hash64({x, y, options_.seed, 0}),
                                         hash64({x, y, options_.seed, 1})};
     // A pass that was cut short may have done some of the samples already.
     const std::uint64_t begin = state_.first_sample() + state_.samples(index);
     for (std::uint64_t i = begin; i < range.end; ++i) {
-        CameraSample& sample = batch.add(index, sensor.sampler(), sequences[i & 1], i >> 1);
-        const FilterSampler::Sample film = filter_.sample(sample.stream.next_2d());
-        if (film.negative) batch.mark_negative();
-        const Vector2 u_lens = sample.stream.next_2d();
-        sample.stream.jump_to(first_integrator_dimension);
-        sample.ray = sensor.sample_ray(Vector2(position) + 0.5f + film.offset, u_lens);
+        const int half = static_cast<int>(i & 1);
+        SampleStream stream(sensor.sampler(), sequences[half], i >> 1);
+        const Vector2 offset = filter_.place(stream.next_2d());
+        const Vector2 u_lens = stream.next_2d();
+        stream.jump_to(first_integrator_dimension);
+        CameraSample& sample =
+            batch.add(stream, {.pixel = pixel_of_tile, .offset = offset, .half = half}, index);
+        sample.ray = sensor.sample_ray(Vector2(pixel) + offset, u_lens);
     }
 }
 
 RenderStatus RenderJob::status() const {
     RenderStatus status;
     status.seconds = elapsed();
-    const Vector2i tiles = tiles_in(state_.layout().crop.size);
+    const Vector2i tiles = tiles_in(state_.layout().sampled().size);
     const double part =
         static_cast<double>(samples_of_tiles_) / (double(tiles.x) * double(tiles.y));
     status.samples = static_cast<double>(samples_) + part;

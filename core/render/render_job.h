@@ -9,8 +9,8 @@
 #include "core/interfaces/sensor.h"
 #include "core/render/budget.h"
 #include "core/render/film_state.h"
-#include "core/render/filter_sampler.h"
 #include "core/render/parallel.h"
+#include "core/render/reconstruction_filter.h"
 #include "core/scene/scene.h"
 
 #include <atomic>
@@ -89,8 +89,9 @@ private:
     using Clock = std::chrono::steady_clock;
     class Batch;
     void sample_pixels(SampleRange range, const BatchEstimator& estimator, std::size_t size);
-    void sample_tile(SampleRange range, Vector2i tile, Batch& batch);
-    void sample_pixel(SampleRange range, Vector2i pixel, Batch& batch);
+    void sample_tile(SampleRange range, const CropWindow& tile, Batch& batch);
+    void sample_pixel(SampleRange range, Vector2i pixel, Vector2i pixel_of_tile, Batch& batch);
+    void add(const FilmTile& tile);
     double elapsed() const;
     void finish_pass(const PassPlan& plan);
     void report();
@@ -99,8 +100,9 @@ private:
     const Scene& scene_;
     RenderOptions options_;
     Workers workers_;
-    FilterSampler filter_;
+    ReconstructionFilter filter_;
     FilmState state_;
+    std::vector<std::mutex> band_mutexes_;  ///< each for some rows of pixels
     Clock::time_point start_;
     std::uint64_t rays_before_;
     double rays_per_second_ = 0;

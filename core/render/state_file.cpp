@@ -23,7 +23,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the order of words in a state file");
 static_assert(sizeof(ExactSum) == 16, "a sum is four words");
 
-constexpr int state_format = 1;
+constexpr int state_format = 2;
 constexpr const char* word_names[4] = {"high0", "high1", "low0", "low1"};
 
 /// Calls visit(name, first, stride) for every plane of the state in a fixed order: the plane's
@@ -31,19 +31,28 @@ constexpr const char* word_names[4] = {"high0", "high1", "low0", "low1"};
 template <typename State, typename Visit>
 void visit_planes(State& film, const Visit& visit) {
     using Byte = std::conditional_t<std::is_const_v<State>, const std::byte, std::byte>;
-    const std::size_t bins = film.bin_count(), channels = film.channel_count();
-    const std::vector<std::string> names = film.channel_names();
+    const std::size_t sum_count = film.sum_count();
+    std::vector<std::string> names = film.channel_names();
+    if (film.layout().unfiltered) {
+        for (const char* color : {"R", "G", "B"})
+            names.push_back(fmt::format("unfiltered.{}", color));
+    }
     auto* sums = reinterpret_cast<Byte*>(film.sums().data());
+    auto* weights = reinterpret_cast<Byte*>(film.weights().data());
     auto* counts = reinterpret_cast<Byte*>(film.counts().data());
     visit("state.dropped", reinterpret_cast<Byte*>(film.dropped().data()), std::size_t{4});
+    visit("state.even.samples", counts, std::size_t{8});
+    visit("state.odd.samples", counts + 4, std::size_t{8});
+    const std::size_t bins = film.bin_count();
     for (std::size_t bin = 0; bin < bins; ++bin) {
         const std::string name =
             fmt::format("state.{}{}", bin & 1 ? "odd" : "even", bin & 2 ? ".negative" : "");
-        visit(name + ".samples", counts + 4 * bin, 4 * bins);
-        for (std::size_t channel = 0; channel < channels; ++channel) {
+        visit(name + ".weight0", weights + 8 * bin, 8 * bins);
+        visit(name + ".weight1", weights + 8 * bin + 4, 8 * bins);
+        for (std::size_t sum = 0; sum < sum_count; ++sum) {
             for (std::size_t word = 0; word < 4; ++word) {
-                visit(fmt::format("{}.{}.{}", name, names[channel], word_names[word]),
-                      sums + 16 * (bin * channels + channel) + 4 * word, 16 * bins * channels);
+                visit(fmt::format("{}.{}.{}", name, names[sum], word_names[word]),
+                      sums + 16 * (bin * sum_count + sum) + 4 * word, 16 * bins * sum_count);
             }
         }
     }
@@ -53,12 +62,20 @@ void visit_planes(State& film, const Visit& visit) {
 struct Header {
     std::string version, layers;
     std::uint64_t scene_hash, seed, first_sample;
-    double negative_weight, seconds;
+    CropWindow crop;
+    bool unfiltered;
+    int reach;
+    double negative_weight, noise_correlation, seconds;
 
     /// Not of the seconds: two states with the same sums have the same checksum.
     std::uint64_t hash() const {
         std::uint64_t h =
-            hash64({scene_hash, seed, first_sample, std::bit_cast<std::uint64_t>(negative_weight)});
+            hash64({scene_hash, seed, first_sample, std::bit_cast<std::uint64_t>(negative_weight),
+                    std::bit_cast<std::uint64_t>(noise_correlation), unfiltered,
+                    static_cast<std::uint64_t>(reach)});
+        for (const int x : {crop.offset.x, crop.offset.y, crop.size.x, crop.size.y}) {
+            h = hash_combine(h, static_cast<std::uint64_t>(x));
+        }
         for (const char c : version + "\n" + layers) {
             h = hash_combine(h, static_cast<unsigned char>(c));
         }
@@ -115,7 +132,14 @@ Header read_header(const MetadataReader& reader) {
             .scene_hash = reader.number("lucerna:scene_hash", 16),
             .seed = reader.number("lucerna:seed", 10),
             .first_sample = reader.number("lucerna:first_sample", 10),
+            .crop = {.offset = {reader.value<int>("lucerna:crop_x"),
+                                reader.value<int>("lucerna:crop_y")},
+                     .size = {reader.value<int>("lucerna:crop_width"),
+                              reader.value<int>("lucerna:crop_height")}},
+            .unfiltered = reader.value<int>("lucerna:unfiltered") != 0,
+            .reach = reader.value<int>("lucerna:filter_reach"),
             .negative_weight = reader.value<double>("lucerna:negative_weight"),
+            .noise_correlation = reader.value<double>("lucerna:noise_correlation"),
             .seconds = reader.value<double>("lucerna:render_seconds")};
 }
 
@@ -126,7 +150,14 @@ void write_header(const Header& header, Metadata& metadata) {
     metadata["lucerna:scene_hash"] = hex(header.scene_hash);
     metadata["lucerna:seed"] = std::to_string(header.seed);
     metadata["lucerna:first_sample"] = std::to_string(header.first_sample);
+    metadata["lucerna:crop_x"] = header.crop.offset.x;
+    metadata["lucerna:crop_y"] = header.crop.offset.y;
+    metadata["lucerna:crop_width"] = header.crop.size.x;
+    metadata["lucerna:crop_height"] = header.crop.size.y;
+    metadata["lucerna:unfiltered"] = header.unfiltered ? 1 : 0;
+    metadata["lucerna:filter_reach"] = header.reach;
     metadata["lucerna:negative_weight"] = header.negative_weight;
+    metadata["lucerna:noise_correlation"] = header.noise_correlation;
     metadata["lucerna:render_seconds"] = header.seconds;
 }
 
@@ -149,13 +180,17 @@ void write_state(const fs::path& path, const FilmState& film, const RenderIdenti
                            .scene_hash = identity.scene_hash,
                            .seed = identity.seed,
                            .first_sample = film.first_sample(),
+                           .crop = film.layout().crop,
+                           .unfiltered = film.layout().unfiltered,
+                           .reach = film.layout().reach,
                            .negative_weight = film.layout().negative_weight,
+                           .noise_correlation = film.layout().noise_correlation,
                            .seconds = seconds};
-    ImageFile file = film.resolve();
+    ImageFile file = film.resolve(film.layout().sampled());
     write_header(header, file.metadata);
     std::uint64_t sum = header.hash();
     visit_planes(film, [&](const std::string& name, const std::byte* first, std::size_t stride) {
-        std::vector<std::uint32_t> words(film.pixel_count());
+        std::vector<std::uint32_t> words(film.dropped().size());
         for (std::size_t i = 0; i < words.size(); ++i) {
             std::memcpy(&words[i], first + i * stride, 4);
         }
@@ -177,9 +212,23 @@ RenderState read_state(const fs::path& path) {
                         path.string(), header.version, core_version()));
     }
     const FilmLayout layout = {.full_size = {file.full_width, file.full_height},
-                               .crop = {{file.x, file.y}, {file.width, file.height}},
+                               .crop = header.crop,
                                .layers = split(header.layers),
-                               .negative_weight = header.negative_weight};
+                               .unfiltered = header.unfiltered,
+                               .reach = header.reach,
+                               .negative_weight = header.negative_weight,
+                               .noise_correlation = header.noise_correlation};
+    const CropWindow sampled = layout.sampled();
+    const auto inside = [](Vector2i begin, Vector2i size, Vector2i full) {
+        return begin.x >= 0 && begin.y >= 0 && size.x > 0 && size.y > 0 &&
+               size.x <= full.x - begin.x && size.y <= full.y - begin.y;
+    };
+    if (!(layout.reach >= 0 && layout.reach < 1 << 16) ||
+        !inside(layout.crop.offset, layout.crop.size, layout.full_size) ||
+        sampled.offset != Vector2i(file.x, file.y) ||
+        sampled.size != Vector2i(file.width, file.height)) {
+        reader.fail();
+    }
     RenderState state = {.film = FilmState(layout, header.first_sample),
                          .identity = {header.scene_hash, header.seed},
                          .seconds = header.seconds};
@@ -188,7 +237,7 @@ RenderState read_state(const fs::path& path) {
         const Plane* plane = file.plane(name);
         const auto* words =
             plane ? std::get_if<std::vector<std::uint32_t>>(&plane->samples) : nullptr;
-        if (!words || words->size() != state.film.pixel_count()) reader.fail();
+        if (!words || words->size() != state.film.dropped().size()) reader.fail();
         for (std::size_t i = 0; i < words->size(); ++i) {
             std::memcpy(first + i * stride, &(*words)[i], 4);
         }
@@ -221,7 +270,10 @@ void check_continues(const RenderState& state, const FilmLayout& layout,
         refuse(fmt::format("it has the layers [{}], the scene [{}]", join(old.layers),
                            join(layout.layers)));
     }
-    if (old.negative_weight != layout.negative_weight) refuse("it has another filter");
+    if (old.reach != layout.reach || old.negative_weight != layout.negative_weight ||
+        old.noise_correlation != layout.noise_correlation) {
+        refuse("it has another filter");
+    }
     if (state.identity.seed != identity.seed) {
         refuse(fmt::format("it was rendered with --seed {}, not {}", state.identity.seed,
                            identity.seed));

@@ -15,9 +15,11 @@
 #include "core/image/color.h"
 #include "core/image/read_image.h"
 #include "core/interfaces/emitter.h"
+#include "core/math/angle.h"
 #include "core/math/distribution.h"
 #include "core/math/orientation.h"
 #include "core/math/sequences.h"
+#include "core/math/warp.h"
 
 #include <fmt/format.h>
 
@@ -35,15 +37,16 @@ struct MapPoint {
 
 MapPoint map_point(Vector3 d) {
     const float sin_theta = std::sqrt(d.x * d.x + d.z * d.z);
-    const float u = std::atan2(d.x, -d.z) * (0.5f * inv_pi);
-    return {{u < 0 ? std::min(u + 1, one_minus_epsilon) : u, std::atan2(sin_theta, d.y) * inv_pi},
-            sin_theta};
+    const FourFloats angles = angles_of(FourFloats{-d.z, d.y}, FourFloats{d.x, sin_theta});
+    const float u = angles[0] * (0.5f * inv_pi);
+    return {{u < 0 ? std::min(u + 1, one_minus_epsilon) : u, angles[1] * inv_pi}, sin_theta};
 }
 
 Vector3 map_direction(Vector2 uv, float& sin_theta) {
-    const float phi = 2 * pi * uv.x;
-    sin_theta = std::sin(pi * std::min(uv.y, 1 - uv.y));
-    return {std::sin(phi) * sin_theta, std::cos(pi * uv.y), -std::cos(phi) * sin_theta};
+    const Vector2 phi = unit_circle(uv.x);
+    const Vector2 theta = unit_circle(0.5f * std::min(uv.y, 1 - uv.y));
+    sin_theta = theta.y;
+    return {phi.y * sin_theta, uv.y <= 0.5f ? theta.x : -theta.x, -phi.x * sin_theta};
 }
 
 /// A float has 24 random bits: too few where a sun leaves 10⁻⁶ of [0, 1) for the sky. Further bits

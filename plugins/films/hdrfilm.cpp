@@ -63,11 +63,11 @@ public:
                                     "of OpenEXR channels")),
           rfilter_(params.nested_or<RFilter>("gaussian", "the reconstruction filter")) {
         check_crop(params);
-        for (const char* name : {"banner", "label", "attach_log", "high_quality_edges",
-                                 "sample_border", "compensate"}) {
-            params.no_effect(name,
-                             "pixels do not depend on their neighbours, and files hold "
-                             "nothing but the image");
+        for (const char* name : {"banner", "label", "attach_log", "compensate"}) {
+            params.no_effect(name, "files hold nothing but the image, and sums are exact");
+        }
+        for (const char* name : {"high_quality_edges", "sample_border"}) {
+            params.no_effect(name, "no samples are taken beyond the edges of the whole image");
         }
         for (const char* name : {"gamma", "exposure", "tonemap_method", "key", "burn"}) {
             params.no_effect(name, "PNG files are encoded by the sRGB curve");

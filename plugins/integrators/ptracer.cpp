@@ -14,7 +14,7 @@ namespace lucerna {
 namespace {
 
 struct Splat {
-    Vector2 position;  ///< on the film, relative to the crop window
+    Vector2 position;  ///< on the film, relative to the window of the image
     Color value;
 };
 
@@ -24,8 +24,8 @@ class SplatImage {
 public:
     using Bands = std::vector<std::vector<Splat>>;
 
-    explicit SplatImage(const Film& film)
-        : filter_(film.rfilter()), offset_(film.crop().offset), size_(film.crop().size) {
+    SplatImage(const RFilter& filter, const CropWindow& window)
+        : filter_(filter), offset_(window.offset), size_(window.size) {
         constexpr int steps = 4096;
         double integral = 0;
         for (int i = 0; i < steps; ++i) {
@@ -110,6 +110,7 @@ public:
     }
 
     void render(RenderJob& job) const override;
+    bool unfiltered() const override { return true; }
 
 private:
     void trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index,
@@ -179,14 +180,14 @@ void ParticleTracer::see_lights(const Scene& scene, const Ray& ray, PixelSample&
 
 void ParticleTracer::render(RenderJob& job) const {
     const PhotonTracer tracer(job.scene());
-    SplatImage image(job.film());
+    SplatImage image(job.film().rfilter(), job.state().layout().sampled());
     job.run_passes([&](SampleRange range) {
         for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {
             trace(job, tracer, i, image);
             if (job.interrupted()) return;
             job.sample_pixels({i, i + 1}, [&](const Ray& ray, SampleStream&, PixelSample& result) {
                 see_lights(job.scene(), ray, result);
-                result.radiance += image[result.pixel];
+                result.unfiltered = image[result.pixel];
             });
         }
     });

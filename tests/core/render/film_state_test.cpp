@@ -17,53 +17,84 @@ namespace {
 
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
+/// Samples of all pixels that take some; value(position) at a position on the film.
+template <typename Value>
+FilmState filtered_film(int side, const RFilter& rfilter, int samples, const Value& value) {
+    const ReconstructionFilter filter(rfilter);
+    FilmLayout layout = square_layout(side);
+    layout.reach = filter.reach();
+    layout.negative_weight = filter.negative_weight();
+    FilmState film(layout);
+    Rng rng(1);
+    for (int i = 0; i < side * side; ++i) {
+        for (int k = 0; k < samples; ++k) {
+            const Vector2 offset = filter.place(rng.next_float2());
+            add_sample(film, static_cast<std::size_t>(i),
+                       grey_sample(value(Vector2(i % side, i / side) + offset)), filter, offset);
+        }
+    }
+    return film;
+}
+
 TEST(FilmState, H1_constant_stays_constant_under_negative_lobes) {
-    const FilterSampler filter(lanczos_filter());
-    ASSERT_GT(filter.negative_weight(), 0.1);
     for (const int samples : {1, 2, 3, 4, 8, 64}) {
-        FilmState film(square_layout(16, {}, filter.negative_weight()));
-        Rng rng(1);
+        const FilmState film =
+            filtered_film(16, lanczos_filter(), samples, [](Vector2) { return 0.3f; });
         for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
-            for (int i = 0; i < samples; ++i) {
-                film.add(pixel, filter.sample(rng.next_float2()).negative, grey_sample(0.3f));
-            }
-            EXPECT_NEAR(film.mean(pixel, 0), 0.3, 1e-5 * 0.3) << samples << " samples";
+            EXPECT_EQ(static_cast<float>(film.mean(pixel, 0)), 0.3f) << samples << " samples";
         }
     }
 }
 
-/// A linear ramp: a symmetric filter must reproduce its value at the centre of the pixel.
-TEST(FilmState, H1_negative_lobes_are_unbiased) {
-    const FilterSampler filter(lanczos_filter());
-    FilmState film(square_layout(64, {}, filter.negative_weight()));
-    Rng rng(2);
-    double sum = 0, squares = 0;
-    for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
-        for (int i = 0; i < 64; ++i) {
-            const FilterSampler::Sample sample = filter.sample(rng.next_float2());
-            // x² + 10: its filtered value is 10 + the second moment of the filter.
-            film.add(pixel, sample.negative, grey_sample(10 + sqr(sample.offset.x)));
+/// (x − 32)² has at a pixel's centre, filtered, its own value and the second moment of the filter.
+TEST(FilmState, H1_pixels_are_the_convolution_with_the_filter) {
+    constexpr int side = 64, margin = 4;
+    const auto expect_moment = [&](const auto& filter) {
+        const FilmState film =
+            filtered_film(side, filter, 64, [](Vector2 p) { return sqr(p.x - 32); });
+        double sum = 0, squares = 0, moment = 0, whole = 0;
+        for (int y = margin; y < side - margin; ++y) {
+            for (int x = margin; x < side - margin; ++x) {
+                const double excess = film.mean(static_cast<std::size_t>(x + side * y), 0) -
+                                      sqr(static_cast<double>(x) + 0.5 - 32);
+                sum += excess;
+                squares += sqr(excess);
+            }
         }
-        sum += film.mean(pixel, 0);
-        squares += sqr(film.mean(pixel, 0));
-    }
-    double moment = 0, whole = 0;
-    const auto lanczos = lanczos_filter();
-    for (int i = 0; i < 60000; ++i) {
-        const float x = -3 + 6 * (static_cast<float>(i) + 0.5f) / 60000;
-        moment += static_cast<double>(lanczos.evaluate(x) * x * x);
-        whole += static_cast<double>(lanczos.evaluate(x));
-    }
-    const double n = static_cast<double>(film.pixel_count());
-    const double error = std::sqrt((squares / n - sqr(sum / n)) / n);
-    EXPECT_NEAR(sum / n, 10 + moment / whole, 4 * error);
-    EXPECT_LT(error, 0.05);
+        for (int i = 0; i < 60000; ++i) {
+            const float x = filter.radius() * (2 * (static_cast<float>(i) + 0.5f) / 60000 - 1);
+            moment += static_cast<double>(filter.evaluate(x) * x * x);
+            whole += static_cast<double>(filter.evaluate(x));
+        }
+        // Neighbours share samples: the pixels that count are fewer, at least by this.
+        const double n = sqr(side - 2 * margin), independent = n / sqr(2 * filter.radius());
+        const double error = std::sqrt((squares / n - sqr(sum / n)) / independent);
+        EXPECT_NEAR(sum / n, moment / whole, 4 * error);
+        EXPECT_LT(error, 0.3);
+    };
+    expect_moment(lanczos_filter());
+    expect_moment(FormulaFilter(1, [](float x) { return 1 - std::abs(x); }));
+    expect_moment(box_filter());
+    expect_moment(FormulaFilter(0.25f, [](float) { return 1.0f; }));
+}
+
+/// Noise is that of a box times ∫f² / (∫f)², and the estimate from the halves says so.
+TEST(FilmState, a_wide_filter_averages_the_samples_of_neighbours) {
+    constexpr int side = 96, samples = 16;
+    const FormulaFilter tent(1, [](float x) { return 1 - std::abs(x); });
+    Rng rng(9);
+    const auto noise = [&](Vector2) { return rng.next_float(); };
+    const double box = filtered_film(side, box_filter(), samples, noise).error()->mse;
+    const FilmState film = filtered_film(side, tent, samples, noise);
+    EXPECT_NEAR(box / (1.0 / 12 / samples), 1, 0.05);
+    // 4/9, and a little less: weights divide by what they add up to.
+    EXPECT_NEAR(film.error()->mse / box, 4.0 / 9, 0.03);
 }
 
 TEST(FilmState, H2_pixel_without_samples_is_black_and_counted) {
     FilmState film(square_layout(2));
-    film.add(0, false, grey_sample(1));
-    film.add(1, false, grey_sample(not_a_number));
+    add_sample(film, 0, grey_sample(1));
+    add_sample(film, 1, grey_sample(not_a_number));
     EXPECT_EQ(film.mean(3, 0), 0);
     EXPECT_EQ(film.empty_pixels(), 3u);
     const ImageFile image = film.resolve();
@@ -77,7 +108,7 @@ TEST(FilmState, H2_pixel_without_samples_is_black_and_counted) {
 TEST(FilmState, H4_long_sums_keep_their_precision) {
     FilmState film(square_layout(1));
     constexpr int count = 4000000;
-    for (int i = 0; i < count; ++i) film.add(0, false, grey_sample(0.1f));
+    for (int i = 0; i < count; ++i) add_sample(film, 0, grey_sample(0.1f));
     EXPECT_EQ(film.mean(0, 0), static_cast<double>(0.1f));
 }
 
@@ -88,7 +119,7 @@ TEST(FilmState, H5_H6_variance_of_small_noise_on_a_large_value) {
     for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
         for (int i = 0; i < samples; ++i) {
             // Uniform with a width of 64 steps of a float: variance 64²/12.
-            film.add(pixel, false, grey_sample(0x1p24f + std::floor(64 * rng.next_float()) * 2));
+            add_sample(film, pixel, grey_sample(0x1p24f + std::floor(64 * rng.next_float()) * 2));
         }
     }
     const double variance = 4 * (64.0 * 64 - 1) / 12 / samples;
@@ -122,7 +153,7 @@ TEST(FilmState, H10_relative_errors_do_not_depend_on_the_scale) {
         Rng rng(5);
         for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
             for (int i = 0; i < 8; ++i)
-                film.add(pixel, false, grey_sample(scale * rng.next_float()));
+                add_sample(film, pixel, grey_sample(scale * rng.next_float()));
         }
         return *film.error();
     };
@@ -148,7 +179,7 @@ TEST(FilmState, drops_and_counts_samples_that_are_not_finite) {
     PixelSample no_layer = good;
     no_layer.layers = bad_layer;
     for (const PixelSample& sample : {good, infinite, no_alpha, no_layer, good}) {
-        film.add(6, false, sample);
+        add_sample(film, 6, sample);
     }
     EXPECT_EQ(film.dropped_samples(), 3u);
     EXPECT_EQ(film.samples(6), 5u);
@@ -160,8 +191,8 @@ TEST(FilmState, drops_and_counts_samples_that_are_not_finite) {
 
 TEST(FilmState, merges_only_what_follows) {
     FilmState first(square_layout(1)), second(square_layout(1), 3), late(square_layout(1), 4);
-    for (int i = 0; i < 3; ++i) first.add(0, false, grey_sample(1));
-    for (int i = 0; i < 2; ++i) second.add(0, false, grey_sample(4));
+    for (int i = 0; i < 3; ++i) add_sample(first, 0, grey_sample(1));
+    for (int i = 0; i < 2; ++i) add_sample(second, 0, grey_sample(4));
     EXPECT_THROW(first.merge(late), Error);
     EXPECT_THROW(first.merge(first), Error);
     EXPECT_THROW(first.merge(FilmState(square_layout(2), 3)), Error);
@@ -175,9 +206,9 @@ TEST(FilmState, merges_only_what_follows) {
 TEST(FilmState, has_no_error_estimate_from_one_half) {
     FilmState film(square_layout(1));
     EXPECT_FALSE(film.error());
-    film.add(0, false, grey_sample(1));
+    add_sample(film, 0, grey_sample(1));
     EXPECT_FALSE(film.error());
-    film.add(0, false, grey_sample(1));
+    add_sample(film, 0, grey_sample(1));
     ASSERT_TRUE(film.error());
     EXPECT_EQ(film.error()->relative_mse, 0);
 }
@@ -213,7 +244,7 @@ Calibration calibrate(int samples, float rarest) {
             const float p = probability(i);
             for (int k = 0; k < samples; ++k) {
                 const float bright = rng.next_float() < p ? 1 / p : 0.0f;
-                film.add(i, false, grey_sample(mean(i) * (0.5f + 0.5f * bright)));
+                add_sample(film, i, grey_sample(mean(i) * (0.5f + 0.5f * bright)));
             }
             const double mu = double(mean(i));
             error += sqr(film.mean(i, 0) - mu) / (sqr(mu) + 0.01 * sqr(image_mean));

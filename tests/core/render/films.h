@@ -12,12 +12,11 @@
 
 namespace lucerna {
 
-inline FilmLayout square_layout(int side, std::vector<std::string> layers = {},
-                                double negative_weight = 0) {
+/// A film whose pixels share no samples.
+inline FilmLayout square_layout(int side, std::vector<std::string> layers = {}) {
     return {.full_size = Vector2i(side),
             .crop = {.offset = Vector2i(0), .size = Vector2i(side)},
-            .layers = std::move(layers),
-            .negative_weight = negative_weight};
+            .layers = std::move(layers)};
 }
 
 inline PixelSample grey_sample(float value) {
@@ -43,6 +42,31 @@ private:
 inline auto lanczos_filter() {
     const auto sinc = [](float x) { return x == 0 ? 1 : std::sin(pi * x) / (pi * x); };
     return FormulaFilter(3, [sinc](float x) { return sinc(x) * sinc(x / 3); });
+}
+
+/// One pixel wide.
+inline auto box_filter() {
+    return FormulaFilter(0.5f, [](float) { return 1.0f; });
+}
+
+/// Adds the next sample of a pixel that takes samples, at `offset` in it.
+inline void add_sample(FilmState& film, std::size_t pixel, const PixelSample& sample,
+                       const ReconstructionFilter& filter, Vector2 offset) {
+    const CropWindow sampled = film.layout().sampled();
+    const int i = static_cast<int>(pixel), width = sampled.size.x;
+    FilmTile tile(filter,
+                  {.offset = sampled.offset + Vector2i(i % width, i / width), .size = Vector2i(1)},
+                  film.layout().layers.size(), film.layout().unfiltered);
+    tile.add({.offset = offset,
+              .half = static_cast<int>((film.first_sample() + film.samples(pixel)) & 1),
+              .value = sample});
+    film.add(tile, 0, film.layout().full_size.y);
+}
+
+/// To a pixel alone.
+inline void add_sample(FilmState& film, std::size_t pixel, const PixelSample& sample) {
+    static const ReconstructionFilter box(box_filter());
+    add_sample(film, pixel, sample, box, Vector2(0.5f));
 }
 
 /// An empty scene whose film is made of the attributes and elements given.
@@ -98,6 +122,8 @@ inline bool same_bits(const FilmState& a, const FilmState& b) {
     };
     return a.layout() == b.layout() &&
            std::equal(a.sums().begin(), a.sums().end(), b.sums().begin(), b.sums().end(), equal) &&
+           std::equal(a.weights().begin(), a.weights().end(), b.weights().begin(),
+                      b.weights().end()) &&
            std::equal(a.counts().begin(), a.counts().end(), b.counts().begin(), b.counts().end()) &&
            std::equal(a.dropped().begin(), a.dropped().end(), b.dropped().begin(),
                       b.dropped().end());

@@ -129,7 +129,7 @@ TEST(RenderJob, samples_that_are_not_finite_are_reported_with_their_pixel) {
 }
 
 TEST(RenderJob, error_target_is_met_after_the_same_samples_for_any_threads) {
-    const EmptyScene scene(film_of_size(32, 32));
+    const EmptyScene scene(film_of_size(32, 32) + "<rfilter type=\"box\"/>");
     const auto uniform = [](const Ray&, SampleStream& stream, PixelSample& result) {
         result.radiance = Color(stream.next_1d());
     };

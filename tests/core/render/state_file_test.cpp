@@ -17,22 +17,27 @@ namespace {
 
 const RenderIdentity identity = {.scene_hash = 0xfedcba9876543210, .seed = 0x8000000000000001};
 
-/// A film with a crop window, layers, negative lobes, dropped samples, and pixels of different
-/// numbers of samples.
+/// A film with a crop window, layers, negative lobes, what is unfiltered, dropped samples, and
+/// pixels of different numbers of samples.
 FilmState rich_film() {
     FilmState film({.full_size = {20, 10},
                     .crop = {{3, 2}, {6, 5}},
                     .layers = {"albedo.R", "depth.Z"},
-                    .negative_weight = 0.125},
+                    .unfiltered = true,
+                    .reach = 3,
+                    .negative_weight = 0.125,
+                    .noise_correlation = 1.125},
                    12345678901);
+    const ReconstructionFilter filter(lanczos_filter());
     Rng rng(1);
-    for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
+    for (std::size_t pixel = 0; pixel < film.dropped().size(); ++pixel) {
         for (std::size_t i = 0; i < 10 + pixel % 3; ++i) {
             PixelSample sample = grey_sample(1 / (rng.next_float() + 1e-6f));
             if (pixel == 7 && i == 3) sample.radiance.z = infinity;
             float layers[2] = {rng.next_float(), rng.next_float() - 0.5f};
             sample.layers = layers;
-            film.add(pixel, rng.next_float() < 0.2f, sample);
+            sample.unfiltered = Color(rng.next_float());
+            add_sample(film, pixel, sample, filter, rng.next_float2());
         }
     }
     return film;
@@ -68,7 +73,13 @@ TEST_F(StateFile, is_a_picture) {
     const ImageFile file = read_exr(path);
     const auto* red = std::get_if<std::vector<float>>(&file.plane("R")->samples);
     ASSERT_NE(red, nullptr);
-    EXPECT_EQ((*red)[4], static_cast<float>(film.mean(4, 0)));
+    // The picture has the margin, too.
+    const CropWindow sampled = film.layout().sampled();
+    EXPECT_EQ(Vector2i(file.x, file.y), sampled.offset);
+    EXPECT_EQ(Vector2i(file.width, file.height), sampled.size);
+    const Vector2i first = film.layout().crop.offset - sampled.offset;
+    EXPECT_EQ((*red)[static_cast<std::size_t>(first.x + first.y * sampled.size.x)],
+              static_cast<float>(film.mean(0, 0)));
     EXPECT_NE(file.plane("depth.Z"), nullptr);
 }
 
