@@ -38,24 +38,12 @@ double cumulate(std::span<const T> weights, std::span<double> cdf) {
 /// The bin of n that holds x in [0, 1].
 int bin_of(float x, int n) { return std::min(static_cast<int>(static_cast<double>(x) * n), n - 1); }
 
-struct Found {
-    int index;
-    float x;
-    /// Probability of the bin.
-    double probability;
-};
-
-/// Inverts a cumulative distribution; x lies in the bin also after rounding to float.
-Found invert(std::span<const double> cdf, std::span<const std::uint32_t> guide, double u) {
-    u = std::clamp(u, 0.0, largest_below_one);
-    const int n = static_cast<int>(cdf.size()) - 1;
-    const std::size_t index = InversionGuide::find(cdf, guide, u);
-    const int bin = static_cast<int>(index);
-    const double probability = cdf[index + 1] - cdf[index];
-    float x = static_cast<float>((bin + (u - cdf[index]) / probability) / n);
-    while (x >= 1 || bin_of(x, n) > bin) x = next_float_down(x);
-    while (bin_of(x, n) < bin) x = next_float_up(x);
-    return {bin, x, probability};
+/// `x` moved by rounding errors into bin `bin` of n, so that it lies there as a float.
+float inside_bin(double x, int bin, int n) {
+    auto result = static_cast<float>(x);
+    while (result >= 1 || bin_of(result, n) > bin) result = next_float_down(result);
+    while (bin_of(result, n) < bin) result = next_float_up(result);
+    return result;
 }
 
 /// Probability of bin i; zero for an empty distribution.
@@ -140,10 +128,18 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const double> weights)
     InversionGuide::fill(cdf_, guide_);
 }
 
+PiecewiseConstant1D::Bin PiecewiseConstant1D::sample_bin(double u) const {
+    u = std::clamp(u, 0.0, largest_below_one);
+    const std::size_t index = InversionGuide::find(cdf_, guide_, u);
+    const double rest = (u - cdf_[index]) / (cdf_[index + 1] - cdf_[index]);
+    return {static_cast<int>(index), std::min(rest, largest_below_one)};
+}
+
 PiecewiseConstant1D::Sample PiecewiseConstant1D::sample(double u) const {
     if (empty()) return {0, 0, 0};
-    const Found found = invert(cdf_, guide_, u);
-    return {found.x, static_cast<float>(found.probability * size()), found.index};
+    const auto [bin, rest] = sample_bin(u);
+    return {inside_bin((bin + rest) / size(), bin, size()), static_cast<float>(pmf(bin) * size()),
+            bin};
 }
 
 float PiecewiseConstant1D::pdf(float x) const {
@@ -153,48 +149,122 @@ float PiecewiseConstant1D::pdf(float x) const {
 
 double PiecewiseConstant1D::pmf(int index) const { return probability(cdf_, index); }
 
-PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int width, int height)
-    : width_(width) {
+PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int width, int height,
+                                         double alike)
+    : size_(width, height) {
     if (width < 0 || height < 0 ||
         weights.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
         throw std::invalid_argument("the weights of a 2D distribution do not fill its grid");
     }
-    const auto columns = static_cast<std::size_t>(width);
-    std::vector<double> totals(static_cast<std::size_t>(height));
-    const std::size_t guide_size = InversionGuide::size(columns);
-    cdfs_.resize(totals.size() * (columns + 1));
-    guides_.resize(totals.size() * guide_size);
-    for (std::size_t row = 0; row < totals.size(); ++row) {
-        const auto cdf = std::span(cdfs_).subspan(row * (columns + 1), columns + 1);
-        totals[row] = cumulate(weights.subspan(row * columns, columns), cdf);
-        InversionGuide::fill(cdf, std::span(guides_).subspan(row * guide_size, guide_size));
+    for (const float w : weights) total_ += checked_weight(static_cast<double>(w));
+    if (!std::isfinite(total_)) throw std::invalid_argument("the weights' sum overflows");
+    if (empty()) return;
+    const Vector2i tiles = (size_ + side - 1) / side;
+    std::vector<double> totals;
+    for (int y = 0; y < tiles.y; ++y) {
+        std::vector<double> row;
+        for (int x = 0; x < tiles.x; ++x) {
+            tiles_.push_back(make_tile(weights, {x, y}, alike));
+            const Vector2i inside = cells({x, y});
+            row.push_back(static_cast<double>(tiles_.back().density) * inside.x * inside.y);
+        }
+        columns_.emplace_back(row);
+        totals.push_back(columns_.back().total());
     }
     rows_ = PiecewiseConstant1D(totals);
 }
 
+PiecewiseConstant2D::Tile PiecewiseConstant2D::make_tile(std::span<const float> weights,
+                                                         Vector2i index, double alike) {
+    const double scale = static_cast<double>(size_.x) * size_.y / total_;
+    const Vector2i inside = cells(index);
+    Details all;
+    double sum = 0, most = 0;
+    for (int y = 0; y < inside.y; ++y) {
+        for (int x = 0; x < inside.x; ++x) {
+            const auto column = static_cast<std::size_t>(side * index.x + x);
+            const auto row = static_cast<std::size_t>(side * index.y + y);
+            const double density =
+                scale *
+                static_cast<double>(weights[column + row * static_cast<std::size_t>(size_.x)]);
+            all.density[y][x] = static_cast<float>(density);
+            sum += density;
+            most = std::max(most, density);
+        }
+    }
+    const double mean = sum / (inside.x * inside.y);
+    Tile tile = {.density = static_cast<float>(mean)};
+    if (most > alike * mean) {
+        tile.details = static_cast<std::uint32_t>(details_.size());
+        details_.push_back(all);
+    }
+    return tile;
+}
+
+namespace {
+
+/// The bin with one of the given weights, not all zero, that lies at u in [0, 1), and what is left
+/// of u.
+template <typename Weight>
+PiecewiseConstant1D::Bin choose(int count, double total, double u, const Weight& weight) {
+    double left = u * total, chosen = 0;
+    int bin = -1;
+    for (int i = 0; i < count; ++i) {
+        const double w = weight(i);
+        if (!(w > 0)) continue;
+        if (bin >= 0) {
+            if (left < chosen) break;
+            left -= chosen;
+        }
+        bin = i;
+        chosen = w;
+    }
+    return {bin, std::clamp(left / chosen, 0.0, largest_below_one)};
+}
+
+}  // namespace
+
 PiecewiseConstant2D::Sample PiecewiseConstant2D::sample(Vector2d u) const {
-    if (empty()) return {Vector2(0), 0, Vector2i(0)};
-    const PiecewiseConstant1D::Sample row = rows_.sample(u.y);
-    const Found found = invert(row_cdf(row.index), row_guide(row.index), u.x);
-    const double density = rows_.pmf(row.index) * height() * found.probability * width_;
-    return {{found.x, row.x}, static_cast<float>(density), {found.index, row.index}};
+    if (empty()) return {Vector2(0), 0};
+    auto y = rows_.sample_bin(u.y);
+    auto x = columns_[static_cast<std::size_t>(y.index)].sample_bin(u.x);
+    const Vector2i index(x.index, y.index), inside = cells(index);
+    const Tile& tile = this->tile(index);
+    float density = tile.density;
+    if (tile.details == none) {
+        const auto split = [](PiecewiseConstant1D::Bin& bin, int count) {
+            const double place = bin.u * count;
+            bin.index = std::min(static_cast<int>(place), count - 1);
+            bin.u = place - bin.index;
+        };
+        split(x, inside.x);
+        split(y, inside.y);
+    } else {
+        const Details& details = details_[tile.details];
+        const auto row_sum = [&](int i) {
+            double sum = 0;
+            for (const float d : details.density[i]) sum += static_cast<double>(d);
+            return sum;
+        };
+        double total = 0;
+        for (int i = 0; i < side; ++i) total += row_sum(i);
+        y = choose(side, total, y.u, row_sum);
+        const auto& row = details.density[y.index];
+        x = choose(side, row_sum(y.index), x.u, [&](int i) { return static_cast<double>(row[i]); });
+        density = row[x.index];
+    }
+    const Vector2i cell = side * index + Vector2i(x.index, y.index);
+    return {{inside_bin((cell.x + x.u) / size_.x, cell.x, size_.x),
+             inside_bin((cell.y + y.u) / size_.y, cell.y, size_.y)},
+            density};
 }
 
 float PiecewiseConstant2D::pdf(Vector2 p) const {
     if (empty() || !(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1)) return 0;
-    const int row = bin_of(p.y, height());
-    const double in_row = probability(row_cdf(row), bin_of(p.x, width_));
-    return static_cast<float>(rows_.pmf(row) * height() * in_row * width_);
-}
-
-std::span<const double> PiecewiseConstant2D::row_cdf(int row) const {
-    const std::size_t stride = static_cast<std::size_t>(width_) + 1;
-    return std::span(cdfs_).subspan(static_cast<std::size_t>(row) * stride, stride);
-}
-
-std::span<const std::uint32_t> PiecewiseConstant2D::row_guide(int row) const {
-    const std::size_t size = InversionGuide::size(static_cast<std::size_t>(width_));
-    return std::span(guides_).subspan(static_cast<std::size_t>(row) * size, size);
+    const Vector2i cell(bin_of(p.x, size_.x), bin_of(p.y, size_.y));
+    const Tile& tile = this->tile(cell / side);
+    if (tile.details == none) return tile.density;
+    return details_[tile.details].density[cell.y % side][cell.x % side];
 }
 
 }  // namespace lucerna

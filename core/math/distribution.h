@@ -84,11 +84,18 @@ public:
         float pdf;
         int index;
     };
+    /// A bin, and what is left of the random number, again uniform in [0, 1).
+    struct Bin {
+        int index;
+        double u;
+    };
 
     PiecewiseConstant1D() = default;
     explicit PiecewiseConstant1D(std::span<const double> weights);
 
     Sample sample(double u) const;
+    /// Only if it is not empty.
+    Bin sample_bin(double u) const;
     /// Density at x in [0, 1]; zero outside.
     float pdf(float x) const;
     /// Probability of a bin.
@@ -105,39 +112,55 @@ private:
 };
 
 /// A density on [0, 1]² that is constant in each cell of a grid, for example the pixels of an
-/// environment map: a row is drawn by its total, then a cell of the row, both in constant time. The
-/// map from u is monotonic in rows and in cells, which keeps what samplers stratify.
+/// environment map. A tile of 8 × 8 cells is drawn first, then a cell of it. Tiles whose cells are
+/// nearly alike have one density, so that what most draws read of a large grid stays in the nearer
+/// caches. The map from u is monotonic in rows and in columns, which keeps what samplers stratify.
 class PiecewiseConstant2D {
 public:
     struct Sample {
         Vector2 p;
         float pdf;
-        /// Column and row.
-        Vector2i index;
     };
 
     PiecewiseConstant2D() = default;
-    /// `weights` holds rows of `width`, top row first (row 0 covers the smallest y).
-    PiecewiseConstant2D(std::span<const float> weights, int width, int height);
+    /// `weights` holds rows of `width`, top row first (row 0 covers the smallest y). Where the
+    /// largest weight of a tile is less than `alike` times its mean, all are taken as the mean.
+    PiecewiseConstant2D(std::span<const float> weights, int width, int height, double alike = 1.5);
 
     Sample sample(Vector2d u) const;
     /// Density at p in [0, 1]²; zero outside.
     float pdf(Vector2 p) const;
 
-    int width() const { return width_; }
-    int height() const { return rows_.size(); }
-    bool empty() const { return rows_.empty(); }
-    double total() const { return rows_.total(); }
+    int width() const { return size_.x; }
+    int height() const { return size_.y; }
+    bool empty() const { return !(total_ > 0); }
+    double total() const { return total_; }
 
 private:
-    std::span<const double> row_cdf(int row) const;
-    std::span<const std::uint32_t> row_guide(int row) const;
+    static constexpr int side = 8;
+    static constexpr std::uint32_t none = 0xffffffff;
+    struct Tile {
+        float density = 0;             ///< mean of its cells
+        std::uint32_t details = none;  ///< index of its cells, if they differ
+    };
+    struct alignas(64) Details {
+        float density[side][side] = {};  ///< zero beyond the grid
+    };
 
-    PiecewiseConstant1D rows_;
-    /// One cumulative distribution of width + 1 values per row, and its guide.
-    std::vector<double> cdfs_;
-    std::vector<std::uint32_t> guides_;
-    int width_ = 0;
+    const Tile& tile(Vector2i index) const {
+        return tiles_[static_cast<std::size_t>(index.x) +
+                      static_cast<std::size_t>(index.y) * columns_.front().size()];
+    }
+    /// The cells of a tile that are part of the grid.
+    Vector2i cells(Vector2i tile) const { return glm::min(size_ - side * tile, Vector2i(side)); }
+    Tile make_tile(std::span<const float> weights, Vector2i index, double alike);
+
+    PiecewiseConstant1D rows_;                  ///< of tiles
+    std::vector<PiecewiseConstant1D> columns_;  ///< of the tiles in each row
+    std::vector<Tile> tiles_;
+    std::vector<Details> details_;
+    Vector2i size_{0};
+    double total_ = 0;
 };
 
 }  // namespace lucerna

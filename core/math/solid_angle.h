@@ -19,11 +19,11 @@ constexpr bool sample_by_solid_angle(double solid_angle) {
     return solid_angle > 3e-4 && solid_angle < 6.22;
 }
 
-/// True if a flat polygon of extent `diagonal` is so far from the reference point (squared distance
-/// `distance2` to one of its points) that sampling by area is as good: its points then differ
-/// little in distance and cosine, and the solid angle need not be known at all.
+/// True if a flat polygon of extent `diagonal` is far enough from the reference point (squared
+/// distance `distance2` to its centre) to be sampled by area: its points then differ little enough
+/// in distance and cosine that the noise grows by some percent only, for half of the cost.
 constexpr bool sample_by_area(float diagonal, float distance2) {
-    return distance2 > 36 * diagonal * diagonal;
+    return distance2 > diagonal * diagonal;
 }
 
 /// The density per solid angle [1/sr], seen from `from`, of a density per area [1/m²] at the point

@@ -168,7 +168,7 @@ struct Mesh::Triangle {
     std::optional<double> solid_angle_from(Vector3 p) const {
         const FourFloats e1 = v1 - v0, e2 = v2 - v1, e3 = v0 - v2;
         const float diagonal = std::sqrt(std::max({dot(e1, e1), dot(e2, e2), dot(e3, e3)}));
-        const Vector3 d = corner(0) - p;
+        const Vector3 d = to_vector3((1 / 3.0f) * (v0 + v1 + v2)) - p;
         if (sample_by_area(diagonal, glm::dot(d, d))) return {};
         const double solid_angle = triangle_solid_angle(Vector3d(p), Vector3d(corner(0)),
                                                         Vector3d(corner(1)), Vector3d(corner(2)));

@@ -10,9 +10,9 @@
 /// do there: v here is 1 − v there.
 #pragma once
 
+#include "core/base/huge_pages.h"
 #include "core/interfaces/shape.h"
 #include "core/math/four_floats.h"
-#include "core/scene/huge_pages.h"
 
 #include <string>
 #include <vector>

@@ -2,11 +2,11 @@
 /// The world while it is rendered: immutable, shared by all threads, owner of all objects.
 #pragma once
 
+#include "core/base/huge_pages.h"
 #include "core/interfaces/emitter.h"
 #include "core/interfaces/integrator.h"
 #include "core/interfaces/sensor.h"
 #include "core/interfaces/shape.h"
-#include "core/scene/huge_pages.h"
 
 #include <memory>
 #include <optional>

@@ -12,6 +12,7 @@
 /// on average, times sin θ: so it is positive wherever the light is.
 #include "plugins/emitters/scene_sphere.h"
 
+#include "core/base/huge_pages.h"
 #include "core/image/color.h"
 #include "core/image/read_image.h"
 #include "core/interfaces/emitter.h"
@@ -196,7 +197,7 @@ private:
 
     Frame world_from_map_;
     int width_ = 0, height_ = 0;
-    std::vector<Color> texels_;
+    std::vector<Color, HugePages<Color>> texels_;
     PiecewiseConstant2D table_;
     SceneSphere sphere_;
 };

@@ -31,7 +31,8 @@ namespace {
 
 constexpr std::size_t most_lights = 256;
 constexpr std::size_t least_points = 3;  ///< fewer are not worth a cell
-constexpr std::size_t handful = 4;       ///< of lights, which need no cells
+/// No more lights than these need no cells: all are weighed at each point.
+constexpr std::size_t few_enough = LightLanes::width;
 
 /// How draws are shared out at a point, as a thread last found it.
 struct Shares {
@@ -80,6 +81,7 @@ private:
     const LightCell* find_cell(const Receiver& at) const;
     const Shares& shares_at(const Receiver& at) const;
     const Shares& share_out(const Receiver& at, const LightCell* cell) const;
+    const Shares& share_everywhere(Shares& shares) const;
     Draw begin(const Receiver& at, const Shares& shares, std::uint32_t draw, float u) const;
     Draw begin_in_lists(const Shares& shares, double place) const;
     std::optional<LightChoice> end(const Draw& draw) const;
@@ -98,6 +100,8 @@ private:
     std::uint64_t id_ = 0;
     SceneLights lights_;
     std::optional<std::uint32_t> only_;  ///< the light of a scene that has one
+    /// Of a scene with few lights: all of them.
+    std::optional<LightCell> everywhere_;
     CellGrid grid_;
     std::vector<LightCell> cells_;
 };
@@ -142,12 +146,20 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
 void CacheLightSampler::prepare(const Scene& scene) {
     static std::atomic<std::uint64_t> count{0};
     id_ = ++count;
-    lights_ = SceneLights(scene, few_);
+    lights_ = SceneLights(scene, std::max(few_, few_enough));
     only_ = lights_.only_light();
     cells_.clear();
     grid_ = {};
+    everywhere_.reset();
     const bool looks = scene.integrator().light_bounces() >= 0;
-    if (looks && lights_.finite > 0 && lights_.count() > handful) make_cells(scene);
+    if (!looks || lights_.finite == 0) return;
+    if (lights_.every.blocks() == 1) {
+        everywhere_.emplace();
+        everywhere_->near = lights_.every;
+        everywhere_->tail = 0;
+    } else {
+        make_cells(scene);
+    }
 }
 
 /// Which pilot points lie in which cell.
@@ -229,7 +241,7 @@ void CacheLightSampler::make_cells(const Scene& scene) {
     };
     std::vector<Candidates> known(cells_.size());
     std::vector<FarLights> others(cells_.size());
-    const bool knows_all = lights_.every.blocks() > 0;
+    const bool knows_all = lights_.finite <= few_ && lights_.every.blocks() > 0;
     const std::size_t count = knows_all ? options_.candidates : options_.clusters;
     const auto rays =
         static_cast<std::size_t>(static_cast<float>(count) * options_.rays_per_candidate);
@@ -249,6 +261,7 @@ void CacheLightSampler::make_cells(const Scene& scene) {
 }
 
 const LightCell* CacheLightSampler::find_cell(const Receiver& at) const {
+    if (everywhere_) return &*everywhere_;
     if (cells_.empty()) return nullptr;
     std::uint32_t cell = CellGrid::none;
     if (jitter_ > 0) {
@@ -274,6 +287,7 @@ const Shares& CacheLightSampler::share_out(const Receiver& at, const LightCell* 
     shares.tree = 1 - shares.infinite;
     if (!cell) return shares;
     cell->near.weigh(LitPoint(at), shares.weights);
+    if (everywhere_) return share_everywhere(shares);
     const float total = cell->infinite + cell->far.total() + cell->clusters.total() +
                         cell->near.total(shares.weights);
     if (!(total > 0)) return shares;
@@ -281,6 +295,19 @@ const Shares& CacheLightSampler::share_out(const Receiver& at, const LightCell* 
     shares.tree = cell->tail;
     shares.list = (1 - cell->tail) / total;
     shares.infinite = cell->infinite * shares.list;
+    return shares;
+}
+
+/// Between the lights at infinity and all others, which have been weighed.
+const Shares& CacheLightSampler::share_everywhere(Shares& shares) const {
+    const float total = everywhere_->near.total(shares.weights);
+    if (total > 0) {
+        shares.cell = &*everywhere_;
+        shares.list = (1 - shares.infinite) / total;
+    } else {
+        shares.infinite = lights_.infinite.empty() ? 0.0f : 1.0f;
+    }
+    shares.tree = 0;
     return shares;
 }
 
@@ -321,7 +348,7 @@ Draw CacheLightSampler::begin(const Receiver& at, const Shares& shares, std::uin
     if (shares.cell && place < 1 - tree) {
         return begin_in_lists(shares, (place - infinite) / static_cast<double>(shares.list));
     }
-    if (lights_.tree.empty()) return {};
+    if (lights_.tree.empty() || !(tree > 0)) return {};
     const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
     return {.walk = LightTree8::Walk(LitPoint(at), rest),
             .pmf = scale * shares.tree,
@@ -346,6 +373,13 @@ std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::ui
 
 void CacheLightSampler::sample_batch(std::uint32_t draw, std::span<LightQuery> queries) const {
     if (only_) return LightSampler::sample_batch(draw, queries);
+    if (everywhere_) {
+        for (LightQuery& query : queries) {
+            query.choice =
+                begin(*query.at, share_out(*query.at, &*everywhere_), draw, query.u).light;
+        }
+        return;
+    }
     constexpr std::size_t most = 16;  // whose nodes stay in the first cache
     for (; queries.size() > most; queries = queries.subspan(most)) {
         sample_batch(draw, queries.first(most));

@@ -6,7 +6,7 @@
 /// are eight. Leaves are weighed like single lights, with their exact planes.
 #pragma once
 
-#include "core/scene/huge_pages.h"
+#include "core/base/huge_pages.h"
 #include "plugins/light_samplers/light_list.h"
 
 namespace lucerna {

@@ -7,10 +7,10 @@
 /// very near, by area.
 #pragma once
 
+#include "core/base/huge_pages.h"
 #include "core/interfaces/shape.h"
 #include "core/math/rounding.h"
 #include "core/math/solid_angle.h"
-#include "core/scene/huge_pages.h"
 
 #include <vector>
 

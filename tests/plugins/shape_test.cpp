@@ -573,13 +573,14 @@ TEST(Shape, what_cannot_be_is_refused) {
 
 TEST(Rectangle, C9_density_is_exact_from_tiny_to_large) {
     const World world(shape("rectangle"));
-    for (const double height : {1.0, 10.0, 100.0, 1e4, 1e6}) {
+    for (const double height : {0.1, 1.0, 2.0, 10.0, 100.0, 1e4, 1e6}) {
         const double solid_angle = 4 * std::asin(1 / (1 + height * height));
         const Receiver from = receiver_at({0, 0, static_cast<float>(height)});
         const auto s = world.shape().sample_solid_angle(0, from, {0.5f, 0.5f});
         ASSERT_TRUE(s);
-        // Sampled by area when it is small: at its centre the density is then d² / A.
-        EXPECT_NEAR(s->pdf * solid_angle, 1, height < 60 ? 1e-6 : 4e-4) << height;
+        // Sampled by area beyond its diagonal: at its centre the density is then d² / A.
+        const double expected = height < 2.8 ? 1 / solid_angle : height * height / 4;
+        EXPECT_NEAR(s->pdf / expected, 1, 1e-6) << height;
     }
 }
 

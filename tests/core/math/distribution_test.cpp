@@ -124,9 +124,10 @@ TEST(PiecewiseConstant2D, C11_one_hot_texel) {
     for (int i = 0; i < 200000; ++i) {
         const double x = rng.next_double(), y = rng.next_double();
         const PiecewiseConstant2D::Sample s = d.sample({x, y});
-        hot.add(s.index == Vector2i(700, 128) ? 1 : 0);
+        const Vector2i cell(s.p * Vector2(width, height));
+        hot.add(cell == Vector2i(700, 128) ? 1 : 0);
         ASSERT_EQ(d.pdf(s.p), s.pdf);
-        const float texel = texels[static_cast<std::size_t>(s.index.y * width + s.index.x)];
+        const float texel = texels[static_cast<std::size_t>(cell.y * width + cell.x)];
         ASSERT_NEAR(s.pdf / (texel * width * height / total), 1, 1e-6);
     }
     EXPECT_TRUE(equivalent(hot, 1e6 / total, 0.01));
@@ -154,6 +155,38 @@ TEST(PiecewiseConstant2D, density_integrates_to_one_and_zero_cells_stay_empty) {
             EXPECT_TRUE(s.p.x >= 0 && s.p.x < 1 && s.p.y >= 0 && s.p.y < 1);
         }
     }
+}
+
+/// Cells of all kinds, and a size that is no multiple of a tile.
+TEST(PiecewiseConstant2D, C22_samples_follow_the_density) {
+    constexpr int width = 45, height = 19;
+    std::vector<float> weights(width * height);
+    Rng rng(10);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const bool smooth = i % width < 24;
+        weights[i] = smooth ? 1 + 0.2f * rng.next_float() : std::max(rng.next_float() - 0.3f, 0.0f);
+    }
+    const PiecewiseConstant2D d(weights, width, height);
+    constexpr int samples = 1000000;
+    std::vector<double> observed(weights.size()), expected(weights.size());
+    for (int i = 0; i < samples; ++i) {
+        const PiecewiseConstant2D::Sample s = d.sample({rng.next_double(), rng.next_double()});
+        ASSERT_EQ(d.pdf(s.p), s.pdf);
+        const Vector2i cell(s.p * Vector2(width, height));
+        ++observed[static_cast<std::size_t>(cell.x + width * cell.y)];
+    }
+    double total = 0;
+    for (const float w : weights) total += static_cast<double>(w);
+    for (int i = 0; i < width * height; ++i) {
+        const Vector2 center((static_cast<float>(i % width) + 0.5f) / width,
+                             (static_cast<float>(i / width) + 0.5f) / height);
+        const double density = static_cast<double>(d.pdf(center));
+        expected[static_cast<std::size_t>(i)] = density / (width * height) * samples;
+        // Alike cells share a density; all others have their own.
+        const double own = static_cast<double>(weights[static_cast<std::size_t>(i)]) / total;
+        EXPECT_NEAR(density / (width * height), own, i % width < 24 ? 0.25 * own : 1e-6 * own);
+    }
+    EXPECT_TRUE(counts_match(observed, expected));
 }
 
 TEST(PiecewiseConstant2D, C12_C13_black_and_tiny_images) {

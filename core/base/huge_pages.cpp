@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scene/huge_pages.h"
+#include "core/base/huge_pages.h"
 
 #include <sys/mman.h>
 
