@@ -67,10 +67,10 @@ void FilmState::add(const FilmTile& tile, Vector2i pixel) {
     const std::size_t i = sampled_index(pixel);
     for (std::size_t b = 0; b < bin_count(); ++b) {
         const FilmTile::Bin& bin = tile.bin(in_tile, b);
-        if (b < 2) {
-            counts_[2 * i + b] += bin.samples;
-            dropped_[i] += bin.dropped;
-        }
+        // Only the tile that holds the pixel has such samples: its thread reads these counts while
+        // others add what reaches over their edges.
+        if (b < 2 && bin.samples > 0) counts_[2 * i + b] += bin.samples;
+        if (b < 2 && bin.dropped > 0) dropped_[i] += bin.dropped;
         if (bin.weight == 0 && bin.samples == 0) continue;
         const std::size_t k = bin_count() * i + b;
         weights_[k] += bin.weight;
