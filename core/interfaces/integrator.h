@@ -30,6 +30,7 @@ struct CameraSample {
     Ray ray;
     SampleStream stream;
     PixelSample result;
+    std::uint32_t block = 0;  ///< samples that stand together and have the same number make a block
 
     /// Number `index` of a sequence of the sampler; all else is yet to be filled.
     CameraSample(const Sampler& sampler, std::uint64_t sequence, std::uint64_t index)
@@ -50,13 +51,16 @@ public:
     virtual std::vector<std::string> layers() const { return {}; }
     /// PixelSample::unfiltered counts: it has been through the reconstruction filter already.
     virtual bool unfiltered() const { return false; }
+    /// Pixels are sampled in aligned blocks of so many by so many, a power of two up to 16: the
+    /// samples with the same index in all pixels of a block are estimated together.
+    virtual int block_size() const { return 1; }
 
     /// Lights are sampled at what the camera sees, itself or in mirrors, and after up to this many
     /// bounces off other surfaces; -1: nowhere. Light samplers prepare for no more.
     virtual int light_bounces() const { return std::numeric_limits<int>::max(); }
 };
 
-/// An integrator that estimates radiance along camera rays, one independent sample at a time.
+/// An integrator that estimates radiance along camera rays.
 class SamplingIntegrator : public Integrator {
 public:
     ~SamplingIntegrator() override;
@@ -64,14 +68,9 @@ public:
     /// Passes over all pixels until the budget is spent.
     void render(RenderJob& job) const final;
 
-    /// One sample along the camera ray. Called from many threads.
-    virtual void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
-                        PixelSample& result) const = 0;
-
-    /// How many samples `sample_batch` should get at once. More than one only if that is faster.
-    virtual std::size_t batch_size() const { return 1; }
-    /// Up to `batch_size` samples: the same as `sample` for each.
-    virtual void sample_batch(const Scene& scene, std::span<CameraSample> samples) const;
+    /// Fills the results of some samples, whole blocks of them. What a sample gets depends on its
+    /// block alone. Called from many threads.
+    virtual void sample(const Scene& scene, std::span<CameraSample> samples) const = 0;
 };
 
 }  // namespace lucerna

@@ -14,9 +14,9 @@
 namespace lucerna {
 
 CropWindow FilmLayout::sampled() const {
-    const Vector2i begin = glm::max(crop.offset - reach, Vector2i(0));
-    const Vector2i end = glm::min(crop.offset + crop.size + reach, full_size);
-    return {.offset = begin, .size = end - begin};
+    const Vector2i begin = glm::max(crop.offset - reach, Vector2i(0)) / block * block;
+    const Vector2i end = (crop.offset + crop.size + reach + block - 1) / block * block;
+    return {.offset = begin, .size = glm::min(end, full_size) - begin};
 }
 
 FilmState::FilmState(FilmLayout layout, std::uint64_t first_sample)

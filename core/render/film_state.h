@@ -5,8 +5,8 @@
 /// even and odd ones go to two halves that are independent of each other. Sums are exact, so the
 /// image is a function of the set of samples alone: resuming and merging change no bit.
 ///
-/// Samples are also taken of a margin around the crop window, as far as the filter reaches: a crop
-/// is a part of the whole image.
+/// Samples are also taken of a margin around the crop window, as far as the filter reaches, rounded
+/// up to whole blocks: a crop is a part of the whole image.
 #pragma once
 
 #include "core/image/image.h"
@@ -30,11 +30,13 @@ struct FilmLayout {
     CropWindow crop;                  ///< what is rendered of it
     std::vector<std::string> layers;  ///< channels beside R, G, B, A
     bool unfiltered = false;          ///< PixelSample::unfiltered counts
+    int block = 1;                    ///< Integrator::block_size()
     int reach = 0;                    ///< ReconstructionFilter::reach()
     double negative_weight = 0;       ///< ReconstructionFilter::negative_weight()
     double noise_correlation = 1;     ///< ReconstructionFilter::noise_correlation()
 
-    /// The pixels that take samples: the crop window and the margin, inside of the whole image.
+    /// The pixels that take samples: the crop window and the margin, rounded up to whole blocks,
+    /// inside of the whole image.
     CropWindow sampled() const;
 
     bool operator==(const FilmLayout&) const = default;

@@ -15,6 +15,8 @@ constexpr int tile_size = 16;
 /// The camera's own numbers: position on the film and on the lens.
 constexpr std::uint32_t first_integrator_dimension = 4;
 constexpr double report_interval = 0.1;
+constexpr std::size_t batch_size = 64;
+constexpr double longest_batch = 0.02;  // [s]
 /// Fewer samples can miss all of the light, and the halves then agree.
 constexpr std::uint64_t least_samples_for_error = 16;
 
@@ -44,6 +46,7 @@ FilmLayout film_layout(const Scene& scene) {
             .crop = film.crop(),
             .layers = scene.integrator().layers(),
             .unfiltered = scene.integrator().unfiltered(),
+            .block = scene.integrator().block_size(),
             .reach = filter.reach(),
             .negative_weight = filter.negative_weight(),
             .noise_correlation = filter.noise_correlation()};
@@ -91,9 +94,15 @@ public:
         int half = 0;
     };
 
-    /// A sample whose ray is to be set.
+    /// Begins a block of so many samples, which are estimated together.
+    void begin_block(std::size_t count) {
+        if (samples_.size() + count > size_) estimate();
+        layers_.resize(std::max(size_, count) * layer_count_);
+        ++block_;
+    }
+
+    /// A sample of the block, whose ray is to be set.
     CameraSample& add(const SampleStream& stream, const Place& place, std::size_t pixel) {
-        if (samples_.size() == size_) estimate();
         PixelSample result;
         result.pixel = pixel;
         if (layer_count_ > 0) {
@@ -101,7 +110,9 @@ public:
                 std::span(layers_).subspan(samples_.size() * layer_count_, layer_count_);
         }
         places_.push_back(place);
-        return samples_.emplace_back(Ray(), stream, result);
+        CameraSample& sample = samples_.emplace_back(Ray(), stream, result);
+        sample.block = block_;
+        return sample;
     }
 
     /// All samples that were added.
@@ -114,7 +125,10 @@ private:
     void estimate() {
         if (samples_.empty()) return;
         std::fill(layers_.begin(), layers_.end(), 0.0f);
+        const Clock::time_point begin = Clock::now();
         estimator_(samples_);
+        // Who interrupts the render must not wait.
+        if (seconds_between(begin, Clock::now()) > longest_batch) size_ = samples_.size() / 2;
         for (std::size_t i = 0; i < samples_.size(); ++i) {
             const Place& place = places_[i];
             tile_.add({.pixel = place.pixel,
@@ -127,7 +141,8 @@ private:
     }
 
     const BatchEstimator& estimator_;
-    std::size_t size_;
+    std::size_t size_;  ///< most samples at once, if a block has no more
+    std::uint32_t block_ = 0;
     FilmTile tile_;
     std::size_t layer_count_;
     std::vector<CameraSample> samples_;
@@ -139,8 +154,8 @@ void RenderJob::render_samples(const Estimator& estimator) {
     run_passes([&](SampleRange range) { sample_pixels(range, estimator); });
 }
 
-void RenderJob::render_batches(const BatchEstimator& estimator, std::size_t size) {
-    run_passes([&](SampleRange range) { sample_pixels(range, estimator, size); });
+void RenderJob::render_batches(const BatchEstimator& estimator) {
+    run_passes([&](SampleRange range) { sample_pixels(range, estimator, batch_size); });
 }
 
 void RenderJob::run_passes(const Pass& pass) {
@@ -215,35 +230,49 @@ void RenderJob::add(const FilmTile& tile) {
 }
 
 void RenderJob::sample_tile(SampleRange range, const CropWindow& tile, Batch& batch) {
-    for (int y = 0; y < tile.size.y; ++y) {
-        for (int x = 0; x < tile.size.x; ++x) {
+    const int size = state_.layout().block;
+    for (int y = 0; y < tile.size.y; y += size) {
+        for (int x = 0; x < tile.size.x; x += size) {
             if (interrupted()) return;
-            sample_pixel(range, tile.offset + Vector2i(x, y), {x, y}, batch);
+            const Vector2i begin(x, y), end = glm::min(begin + size, tile.size);
+            sample_block(range, tile, {.offset = begin, .size = end - begin}, batch);
         }
     }
 }
 
-void RenderJob::sample_pixel(SampleRange range, Vector2i pixel, Vector2i pixel_of_tile,
+void RenderJob::sample_block(SampleRange range, const CropWindow& tile, const CropWindow& block,
+                             Batch& batch) {
+    // A pass that was cut short may have done some of the samples already, of whole blocks.
+    const CropWindow window = state_.layout().sampled();
+    const Vector2i first = tile.offset + block.offset - window.offset;
+    const auto index = static_cast<std::size_t>(first.x + first.y * window.size.x);
+    const auto count = static_cast<std::size_t>(block.size.x * block.size.y);
+    for (std::uint64_t i = state_.first_sample() + state_.samples(index); i < range.end; ++i) {
+        batch.begin_block(count);
+        for (int y = 0; y < block.size.y; ++y) {
+            for (int x = 0; x < block.size.x; ++x) {
+                const Vector2i pixel = block.offset + Vector2i(x, y);
+                sample_pixel(i, tile.offset + pixel, pixel, batch);
+            }
+        }
+    }
+}
+
+void RenderJob::sample_pixel(std::uint64_t index, Vector2i pixel, Vector2i pixel_of_tile,
                              Batch& batch) {
     const CropWindow window = state_.layout().sampled();
     const Vector2i in_window = pixel - window.offset;
-    const auto index = static_cast<std::size_t>(in_window.x + in_window.y * window.size.x);
     const Sensor& sensor = scene_.sensor();
     const auto x = static_cast<std::uint64_t>(pixel.x), y = static_cast<std::uint64_t>(pixel.y);
-    const std::uint64_t sequences[2] = {hash64({x, y, options_.seed, 0}),
-                                        hash64({x, y, options_.seed, 1})};
-    // A pass that was cut short may have done some of the samples already.
-    const std::uint64_t begin = state_.first_sample() + state_.samples(index);
-    for (std::uint64_t i = begin; i < range.end; ++i) {
-        const int half = static_cast<int>(i & 1);
-        SampleStream stream(sensor.sampler(), sequences[half], i >> 1);
-        const Vector2 offset = filter_.place(stream.next_2d());
-        const Vector2 u_lens = stream.next_2d();
-        stream.jump_to(first_integrator_dimension);
-        CameraSample& sample =
-            batch.add(stream, {.pixel = pixel_of_tile, .offset = offset, .half = half}, index);
-        sample.ray = sensor.sample_ray(Vector2(pixel) + offset, u_lens);
-    }
+    const std::uint64_t half = index & 1;
+    SampleStream stream(sensor.sampler(), hash64({x, y, options_.seed, half}), index >> 1);
+    const Vector2 offset = filter_.place(stream.next_2d());
+    const Vector2 u_lens = stream.next_2d();
+    stream.jump_to(first_integrator_dimension);
+    CameraSample& sample = batch.add(
+        stream, {.pixel = pixel_of_tile, .offset = offset, .half = static_cast<int>(half)},
+        static_cast<std::size_t>(in_window.x + in_window.y * window.size.x));
+    sample.ray = sensor.sample_ray(Vector2(pixel) + offset, u_lens);
 }
 
 RenderStatus RenderJob::status() const {

@@ -48,7 +48,7 @@ public:
     /// Makes one camera sample: fills `result` for a camera ray; further random numbers come from
     /// the stream. Called from many threads.
     using Estimator = std::function<void(const Ray&, SampleStream&, PixelSample& result)>;
-    /// Makes several camera samples.
+    /// Makes several camera samples, whole blocks of them (Integrator::block_size).
     using BatchEstimator = std::function<void(std::span<CameraSample>)>;
     /// Does the samples of `range` for all pixels, or stops early if `interrupted()`.
     using Pass = std::function<void(SampleRange range)>;
@@ -64,8 +64,8 @@ public:
 
     /// Passes over all pixels until the budget is spent: all that a path tracer needs.
     void render_samples(const Estimator& estimator);
-    /// The same with up to `size` samples at once.
-    void render_batches(const BatchEstimator& estimator, std::size_t size);
+    /// The same with as many samples at once as take some milliseconds at most.
+    void render_batches(const BatchEstimator& estimator);
 
     /// The loop alone, for integrators whose passes do more, such as tracing photons:
     ///
@@ -90,7 +90,9 @@ private:
     class Batch;
     void sample_pixels(SampleRange range, const BatchEstimator& estimator, std::size_t size);
     void sample_tile(SampleRange range, const CropWindow& tile, Batch& batch);
-    void sample_pixel(SampleRange range, Vector2i pixel, Vector2i pixel_of_tile, Batch& batch);
+    void sample_block(SampleRange range, const CropWindow& tile, const CropWindow& block,
+                      Batch& batch);
+    void sample_pixel(std::uint64_t index, Vector2i pixel, Vector2i pixel_of_tile, Batch& batch);
     void add(const FilmTile& tile);
     double elapsed() const;
     void finish_pass(const PassPlan& plan);

@@ -64,7 +64,7 @@ struct Header {
     std::uint64_t scene_hash, seed, first_sample;
     CropWindow crop;
     bool unfiltered;
-    int reach;
+    int block, reach;
     double negative_weight, noise_correlation, seconds;
 
     /// Not of the seconds: two states with the same sums have the same checksum.
@@ -72,7 +72,7 @@ struct Header {
         std::uint64_t h =
             hash64({scene_hash, seed, first_sample, std::bit_cast<std::uint64_t>(negative_weight),
                     std::bit_cast<std::uint64_t>(noise_correlation), unfiltered,
-                    static_cast<std::uint64_t>(reach)});
+                    static_cast<std::uint64_t>(block), static_cast<std::uint64_t>(reach)});
         for (const int x : {crop.offset.x, crop.offset.y, crop.size.x, crop.size.y}) {
             h = hash_combine(h, static_cast<std::uint64_t>(x));
         }
@@ -137,6 +137,7 @@ Header read_header(const MetadataReader& reader) {
                      .size = {reader.value<int>("lucerna:crop_width"),
                               reader.value<int>("lucerna:crop_height")}},
             .unfiltered = reader.value<int>("lucerna:unfiltered") != 0,
+            .block = reader.value<int>("lucerna:block"),
             .reach = reader.value<int>("lucerna:filter_reach"),
             .negative_weight = reader.value<double>("lucerna:negative_weight"),
             .noise_correlation = reader.value<double>("lucerna:noise_correlation"),
@@ -155,6 +156,7 @@ void write_header(const Header& header, Metadata& metadata) {
     metadata["lucerna:crop_width"] = header.crop.size.x;
     metadata["lucerna:crop_height"] = header.crop.size.y;
     metadata["lucerna:unfiltered"] = header.unfiltered ? 1 : 0;
+    metadata["lucerna:block"] = header.block;
     metadata["lucerna:filter_reach"] = header.reach;
     metadata["lucerna:negative_weight"] = header.negative_weight;
     metadata["lucerna:noise_correlation"] = header.noise_correlation;
@@ -182,6 +184,7 @@ void write_state(const fs::path& path, const FilmState& film, const RenderIdenti
                            .first_sample = film.first_sample(),
                            .crop = film.layout().crop,
                            .unfiltered = film.layout().unfiltered,
+                           .block = film.layout().block,
                            .reach = film.layout().reach,
                            .negative_weight = film.layout().negative_weight,
                            .noise_correlation = film.layout().noise_correlation,
@@ -215,9 +218,11 @@ RenderState read_state(const fs::path& path) {
                                .crop = header.crop,
                                .layers = split(header.layers),
                                .unfiltered = header.unfiltered,
+                               .block = header.block,
                                .reach = header.reach,
                                .negative_weight = header.negative_weight,
                                .noise_correlation = header.noise_correlation};
+    if (layout.block < 1 || layout.block > 16) reader.fail();
     const CropWindow sampled = layout.sampled();
     const auto inside = [](Vector2i begin, Vector2i size, Vector2i full) {
         return begin.x >= 0 && begin.y >= 0 && size.x > 0 && size.y > 0 &&

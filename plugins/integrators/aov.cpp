@@ -78,8 +78,8 @@ public:
         return names;
     }
 
-    void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
-                PixelSample& result) const override;
+    int block_size() const override { return image_ ? image_->block_size() : 1; }
+    void sample(const Scene& scene, std::span<CameraSample> samples) const override;
 
 private:
     struct Layer {
@@ -87,6 +87,7 @@ private:
         const AovKind* kind;
     };
 
+    void fill_layers(const Scene& scene, CameraSample& sample) const;
     void add_layer(const Params& params, std::string_view text);
     Vector3 value(const Interaction& at, Vector3 wo, Aov aov) const;
 
@@ -138,17 +139,25 @@ Vector3 AovIntegrator::value(const Interaction& at, Vector3 wo, Aov aov) const {
     return Vector3(0);
 }
 
-void AovIntegrator::sample(const Scene& scene, const Ray& ray, SampleStream& stream,
-                           PixelSample& result) const {
-    const std::span<float> layers = result.layers;
-    std::size_t next = 0;
+/// The image goes into the first layers and the result, as the nested integrator says.
+void AovIntegrator::sample(const Scene& scene, std::span<CameraSample> samples) const {
     if (image_) {
-        next = image_layers_;
-        PixelSample image{.layers = layers.first(next)};
-        static_cast<const SamplingIntegrator*>(image_)->sample(scene, ray, stream, image);
-        result.radiance = image.radiance;
-        result.alpha = image.alpha;
+        std::vector<CameraSample> image(samples.begin(), samples.end());
+        for (CameraSample& s : image) s.result.layers = s.result.layers.first(image_layers_);
+        static_cast<const SamplingIntegrator*>(image_)->sample(scene, image);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            samples[i].result.radiance = image[i].result.radiance;
+            samples[i].result.alpha = image[i].result.alpha;
+        }
     }
+    for (CameraSample& s : samples) fill_layers(scene, s);
+}
+
+void AovIntegrator::fill_layers(const Scene& scene, CameraSample& sample) const {
+    const Ray& ray = sample.ray;
+    PixelSample& result = sample.result;
+    const std::span<float> layers = result.layers;
+    std::size_t next = image_layers_;
     const std::optional<Interaction> at = scene.intersect(ray);
     if (!at) {
         if (!image_) result.alpha = 0;

@@ -10,11 +10,12 @@ class DepthIntegrator final : public SamplingIntegrator {
 public:
     explicit DepthIntegrator(const Params&) {}
 
-    void sample(const Scene& scene, const Ray& ray, SampleStream&,
-                PixelSample& result) const override {
-        const std::optional<Interaction> at = scene.intersect(ray);
-        result.radiance = Color(at ? at->t : 0.0f);
-        result.alpha = at ? 1.0f : 0.0f;
+    void sample(const Scene& scene, std::span<CameraSample> samples) const override {
+        for (CameraSample& sample : samples) {
+            const std::optional<Interaction> at = scene.intersect(sample.ray);
+            sample.result.radiance = Color(at ? at->t : 0.0f);
+            sample.result.alpha = at ? 1.0f : 0.0f;
+        }
     }
 };
 

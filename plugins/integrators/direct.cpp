@@ -16,8 +16,9 @@ public:
                                                 "samples of each strategy unless given below")) {}
 
     int light_bounces() const override { return 0; }
-    void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
-                PixelSample& result) const override;
+    void sample(const Scene& scene, std::span<CameraSample> samples) const override {
+        for (CameraSample& s : samples) sample(scene, s.ray, s.stream, s.result);
+    }
 
 private:
     DirectIntegrator(const Params& params, int samples)
@@ -35,6 +36,8 @@ private:
         }
     }
 
+    void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
+                PixelSample& result) const;
     Color sample_bsdf(const Scene& scene, const Interaction& at, Vector3 wo,
                       SampleStream& stream) const;
 

@@ -85,6 +85,9 @@ inline std::uint32_t light_dimensions(const LightSampler& sampler) { return 4 * 
 /// One draw of light sampling: what it adds if nothing lies between.
 struct LightEstimate {
     LightSample sample;
+    Vector3 wi_local{0};
+    BSDFValue scattered;
+    float density = 0;  ///< pmf · pdf
     Color value{0};
 };
 
@@ -141,6 +144,9 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     const float weight =
         sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);
     result.sample = *sample;
+    result.wi_local = wi_local;
+    result.scattered = value;
+    result.density = density;
     result.value = value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density);
     return true;
 }

@@ -2,9 +2,9 @@
 /// path: unidirectional path tracing (Kajiya 1986) with next event estimation, multiple importance
 /// sampling (Veach 1997, 9) and Russian roulette.
 ///
-/// Finds all light but what reaches the eye only through a specular surface from a delta light,
+/// Pixels share their paths (path_reuse.h): noise then falls as if each had many more. Finds all light but what reaches the eye only through a specular surface from a delta light,
 /// and finds caustics of small lights slowly: that is what photon mapping is for.
-#include "plugins/integrators/light_sampling.h"
+#include "plugins/integrators/path_reuse.h"
 
 #include <limits>
 #include <vector>
@@ -21,9 +21,15 @@ public:
                                   "-1 is unlimited")),
           rr_depth_(params.int32("rr_depth", 5, {.min = 1},
                                  "edges before Russian roulette may end a path")),
+          reuse_(params.int32("reuse", 4, {.min = 1, .max = 16},
+                              "paths are shared by blocks of so many by so many pixels, a power of "
+                              "two; 1: pixels do not share")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "whether the camera sees emitters")),
-          light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {}
+          light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
+        if ((reuse_ & (reuse_ - 1)) != 0)
+            params.error("reuse", "\"reuse\" must be 1, 2, 4, 8 or 16");
+    }
 
     void prepare(const Scene&) override {
         dimensions_ = bsdf_dimensions + light_dimensions(light_sampler_);
@@ -32,16 +38,22 @@ public:
     int light_bounces() const override {
         return max_depth_ < 0 ? std::numeric_limits<int>::max() : std::max(max_depth_ - 2, -1);
     }
-    void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
-                PixelSample& result) const override;
-    /// Samplers of many draws take long for one sample; whoever interrupts must not wait for more.
-    std::size_t batch_size() const override { return light_sampler_.draws() <= 8 ? 64 : 1; }
-    void sample_batch(const Scene& scene, std::span<CameraSample> samples) const override;
+    int block_size() const override { return reuses() ? reuse_ : 1; }
+    void sample(const Scene& scene, std::span<CameraSample> samples) const override;
 
 private:
     /// A path on its way: the ray to the vertex that comes, and what is there.
     struct Path : TracedRay {
         explicit Path(CameraSample& s) : TracedRay{s.ray}, sample(&s) {}
+
+        /// Radiance that arrives at the last vertex.
+        void add(Color arriving) {
+            if (beyond_second) {
+                kept->next_radiance += beta_from_second * arriving;
+            } else {
+                sample->result.radiance += beta * arriving;
+            }
+        }
 
         CameraSample* sample;
         PathVertex before;
@@ -52,6 +64,10 @@ private:
         Vector2 u_light{0};  ///< place on the light
         LightEstimate light;
         ColorD direct{0};
+
+        ReusablePath* kept = nullptr;  ///< for other pixels; null if they cannot use it
+        bool beyond_second = false;    ///< what is found counts from the second vertex on:
+        Color beta_from_second{1};
     };
     using Paths = std::vector<Path*>;
 
@@ -60,35 +76,52 @@ private:
     // computes together.
     static constexpr std::uint32_t bsdf_dimensions = 4;
 
+    /// Samplers of many draws make a path's own light good, and reuse dear.
+    bool reuses() const {
+        return reuse_ > 1 && (max_depth_ < 0 || max_depth_ > 2) && light_sampler_.draws() <= 8;
+    }
     bool arrive(const Scene& scene, Path& path, int depth) const;
+    static void keep_vertex(Path& path, int depth);
     void add_direct_light(const Scene& scene, const Paths& paths, int depth) const;
     bool scatter(Path& path, int depth) const;
+    static void leave_kept_vertex(Path& path, const BSDFSample& next, int depth);
+    static bool survive(Path& path);
 
     int max_depth_;
     int rr_depth_;
+    int reuse_;
     bool hide_emitters_;
     const LightSampler& light_sampler_;
     std::uint32_t dimensions_ = 0;
 };
-
 /// Adds what is emitted where the ray ends; false if the path ends there, too.
 bool PathIntegrator::arrive(const Scene& scene, Path& path, int depth) const {
     PixelSample& result = path.sample->result;
     const bool show = depth > 0 || !hide_emitters_;
-    if (!path.hit) {
-        if (show) {
-            result.radiance +=
-                path.beta * found_environment(scene, light_sampler_, path.before, path.ray.d);
-        }
-        if (depth == 0) result.alpha = show && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
-        return false;
+    Color found(0);
+    if (path.hit && show) {
+        found = found_emission(scene, light_sampler_, path.before, *path.hit, -path.ray.d);
+    } else if (show) {
+        found = found_environment(scene, light_sampler_, path.before, path.ray.d);
     }
-    const Vector3 wo = -path.ray.d;
-    if (show) {
-        result.radiance +=
-            path.beta * found_emission(scene, light_sampler_, path.before, *path.hit, wo);
+    // Emission that the second vertex sees is weighted for the direction the path came from.
+    if (depth > 2) {
+        path.add(found);
+    } else {
+        result.radiance += path.beta * found;
     }
-    return true;
+    if (!path.hit && depth == 0) {
+        result.alpha = show && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
+    }
+    return path.hit.has_value();
+}
+
+/// Keeps the first two vertices for other pixels.
+void PathIntegrator::keep_vertex(Path& path, int depth) {
+    ReusablePath& kept = *path.kept;
+    Interaction& at = depth == 0 ? kept.first_at : kept.second_at;
+    at = *path.hit;
+    (depth == 0 ? kept.first : kept.second).emplace(at, *at.shape->bsdf(), -path.ray.d);
 }
 
 /// Light sampling at the vertices of all paths, then all shadow rays.
@@ -100,6 +133,9 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
         path->u_lobe_and_roulette = stream.next_2d();
         path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
         path->direct = ColorD(0);  // in double: there may be a million draws
+        const bool smooth = any(path->surface->lobes & smooth_lobes);
+        if (depth == 0 && !smooth) path->kept = nullptr;
+        if (path->kept && depth < 2) keep_vertex(*path, depth);
     }
     Paths lit, asking;
     lit.reserve(paths.size());
@@ -125,10 +161,14 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
         }
         for (Path* path : lit) {
             if (scene.occluded(path->surface->receiver, path->light.sample)) continue;
-            path->direct += ColorD(path->light.value);
+            if (depth == 1 && path->kept) {
+                path->kept->lights.emplace_back(path->light);
+            } else {
+                path->direct += ColorD(path->light.value);
+            }
         }
     }
-    for (Path* path : paths) path->sample->result.radiance += path->beta * Color(path->direct);
+    for (Path* path : paths) path->add(Color(path->direct));
 }
 
 /// Continues along a direction of the BSDF; false if the path ends.
@@ -148,37 +188,60 @@ bool PathIntegrator::scatter(Path& path, int depth) const {
     path.before.pdf = next->pdf;
     path.before.specular = next->specular();
     path.ray = at.spawn_ray(wi);
-    if (depth + 1 < rr_depth_) return true;
+    path.beta_from_second *= next->weight;
+    if (path.kept && depth < 2) leave_kept_vertex(path, *next, depth);
+    const bool roulette = depth + 1 >= rr_depth_ && (depth > 0 || !path.kept);
+    return !roulette || survive(path);
+}
 
-    // End dim paths, without changing the mean
+/// Hands on the direction in which a path leaves a vertex that is kept. A direction of a delta lobe
+/// is of no use to others.
+void PathIntegrator::leave_kept_vertex(Path& path, const BSDFSample& next, int depth) {
+    if (depth == 0) {
+        path.kept->to_second = next;
+        if (next.specular()) path.kept = nullptr;
+    } else if (!next.specular()) {
+        path.kept->next_local = next.wi;
+        path.kept->next_f_cosine = next.weight * next.pdf;
+        path.kept->next_pdf = next.pdf;
+        path.beyond_second = true;
+        path.beta_from_second = Color(1);
+    }
+}
+
+/// Ends dim paths, without changing the mean.
+bool PathIntegrator::survive(Path& path) {
     const float survival = survival_probability(path.beta, path.eta2);
     if (!(path.u_lobe_and_roulette.y < survival)) return false;
     path.beta /= survival;
+    path.beta_from_second /= survival;
     return true;
 }
 
 /// All paths step by step together: while one waits for memory, the others go on.
-void PathIntegrator::sample_batch(const Scene& scene, std::span<CameraSample> samples) const {
+void PathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples) const {
     const int max_depth = max_depth_ < 0 ? std::numeric_limits<int>::max() : max_depth_;
     std::vector<Path> paths;
     paths.reserve(samples.size());
     Paths active;
     for (CameraSample& sample : samples) active.push_back(&paths.emplace_back(sample));
+    std::vector<ReusablePath> kept(reuses() ? samples.size() : 0);
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        kept[i].radiance = &samples[i].result.radiance;
+        paths[i].kept = &kept[i];
+    }
     for (int depth = 0; depth < max_depth && !active.empty(); ++depth) {
         const std::vector<TracedRay*> rays(active.begin(), active.end());
         scene.intersect(rays);
         std::erase_if(active, [&](Path* path) { return !arrive(scene, *path, depth); });
-        if (depth + 1 >= max_depth) return;
+        if (depth + 1 >= max_depth) break;
         add_direct_light(scene, active, depth);
         std::erase_if(active, [&](Path* path) { return !scatter(*path, depth); });
     }
-}
-
-void PathIntegrator::sample(const Scene& scene, const Ray& ray, SampleStream& stream,
-                            PixelSample& result) const {
-    CameraSample one{ray, stream, result};
-    sample_batch(scene, std::span(&one, 1));
-    result = one.result;
+    for (std::size_t begin = 0, end = 0; begin < kept.size(); begin = end) {
+        while (end < kept.size() && samples[end].block == samples[begin].block) ++end;
+        reuse_paths(scene, std::span(kept).subspan(begin, end - begin));
+    }
 }
 
 }  // namespace
