@@ -100,7 +100,9 @@ std::string point_light(Vector3d position, double intensity) {
 }
 
 std::string path_integrator(const std::string& inside) {
-    return "<integrator type='path'>" + inside + "</integrator>";
+    const bool shares = inside.find("'reuse'") != std::string::npos;
+    return "<integrator type='path'>" + (shares ? inside : inside + integer("reuse", 1)) +
+           "</integrator>";
 }
 
 std::string direct_integrator(const std::string& inside) {

@@ -69,6 +69,7 @@ std::string diffuse(double reflectance);
 std::string area_light(double radiance);
 std::string constant_light(double radiance);
 std::string point_light(Vector3d position, double intensity);
+/// Pixels share no paths, and are independent of each other, unless `reuse` says more.
 std::string path_integrator(const std::string& inside = "");
 std::string direct_integrator(const std::string& inside = "");
 std::string integer(const std::string& name, std::int64_t value);

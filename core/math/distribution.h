@@ -149,7 +149,8 @@ private:
 
     const Tile& tile(Vector2i index) const {
         return tiles_[static_cast<std::size_t>(index.x) +
-                      static_cast<std::size_t>(index.y) * columns_.front().size()];
+                      static_cast<std::size_t>(index.y) *
+                          static_cast<std::size_t>(columns_.front().size())];
     }
     /// The cells of a tile that are part of the grid.
     Vector2i cells(Vector2i tile) const { return glm::min(size_ - side * tile, Vector2i(side)); }

@@ -42,14 +42,16 @@ int bands_in(const FilmLayout& layout) { return (layout.full_size.y + tile_size 
 FilmLayout film_layout(const Scene& scene) {
     const Film& film = scene.sensor().film();
     const ReconstructionFilter filter(film.rfilter());
+    const int block = scene.integrator().block_size();
     return {.full_size = film.size(),
             .crop = film.crop(),
             .layers = scene.integrator().layers(),
             .unfiltered = scene.integrator().unfiltered(),
-            .block = scene.integrator().block_size(),
+            .block = block,
             .reach = filter.reach(),
             .negative_weight = filter.negative_weight(),
-            .noise_correlation = filter.noise_correlation()};
+            // As if all pixels of a block had the same noise.
+            .noise_correlation = filter.noise_correlation() * block * block};
 }
 
 RenderJob::RenderJob(const Scene& scene, RenderOptions options, FilmState film)

@@ -19,8 +19,8 @@ struct PilotPaths {
 
     /// No more than a scene needs: a path for two pixels, and bounces where lights are sampled.
     PilotPaths within(const Scene& scene) const {
-        const CropWindow crop = scene.sensor().film().crop();
-        const std::int64_t pixels = std::int64_t{crop.size.x} * crop.size.y;
+        const Vector2i size = scene.sensor().film().size();
+        const std::int64_t pixels = std::int64_t{size.x} * size.y;
         PilotPaths result = *this;
         result.bounces = std::min(bounces, scene.integrator().light_bounces());
         result.count = static_cast<std::uint32_t>(
@@ -31,21 +31,20 @@ struct PilotPaths {
 
 /// From where the camera looks.
 inline Vector3 eye_of(const Scene& scene) {
-    const CropWindow crop = scene.sensor().film().crop();
-    const Vector2 middle = Vector2(crop.offset) + 0.5f * Vector2(crop.size);
+    const Vector2 middle = 0.5f * Vector2(scene.sensor().film().size());
     return scene.sensor().sample_ray(middle, Vector2(0.5f)).o;
 }
 
-/// The vertices of one path at which lights are sampled.
+/// The vertices of one path at which lights are sampled. It starts anywhere in the whole image: a
+/// crop must be a part of it to the bit.
 inline std::vector<Receiver> pilot_path(const Scene& scene, const PilotPaths& pilots,
                                         std::uint32_t index) {
     constexpr int longest = 16;  // specular surfaces do not count
     std::vector<Receiver> result;
-    const CropWindow crop = scene.sensor().film().crop();
     Rng rng(pilots.seed, index);
     const Vector2 place = sobol_owen_2d(index, pilots.seed);
     const Vector2 u_lens = rng.next_float2();
-    Ray ray = scene.sensor().sample_ray(Vector2(crop.offset) + place * Vector2(crop.size), u_lens);
+    Ray ray = scene.sensor().sample_ray(place * Vector2(scene.sensor().film().size()), u_lens);
     int bounces = 0;
     for (int edge = 0; edge < longest && bounces <= pilots.bounces; ++edge) {
         const std::optional<Interaction> at = scene.intersect(ray);

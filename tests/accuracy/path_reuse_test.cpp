@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Paths that pixels share find the same light as those of single pixels, pixel by pixel.
+#include "tests/paths.h"
+#include "tests/render_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace lucerna {
+namespace {
+
+std::string rough(const std::string& type, double alpha) {
+    return "<bsdf type='" + type + "'>" + number("alpha", alpha) + "</bsdf>";
+}
+
+/// A corner with matte, glossy and clear things, and a coarse mesh whose normals are smooth.
+/// Neighbouring pixels see different surfaces, and sides of them.
+std::string still_life(const std::string& mesh) {
+    return xml({.to_world = look({2.5, 2, 3.5}, {0, 0.5, 0}),
+                .fov = 50,
+                .width = 12,
+                .height = 8}) +
+           shape("rectangle", scale(5) + look({0, 0, 0}, {0, 1, 0}), rough("roughconductor", 0.3)) +
+           shape("rectangle", scale(5) + translate({0, 0, -2}), diffuse(0.7)) +
+           shape("rectangle", scale(0.5) + look({1, 0.5, 1}, {0, 0.6, 0}),
+                 "<bsdf type='twosided'>" + diffuse(0.8) + "</bsdf>") +
+           shape("obj", scale(0.6) + translate({-0.9, 0.6, 0.3}),
+                 "<string name='filename' value='" + mesh + "'/>" + rough("roughplastic", 0.2)) +
+           sphere({0.6, 0.5, 0}, 0.5, "<bsdf type='dielectric'/>") +
+           sphere({0.2, 0.3, 1.2}, 0.3, rough("roughdielectric", 0.3)) +
+           sphere({1.5, 0.3, 0.5}, 0.3, "<bsdf type='plastic'/>") +
+           shape("rectangle", scale(0.7) + look({-2, 3, 2}, {0, 0, 0}),
+                 diffuse(0) + area_light(6)) +
+           shape("cube", scale(0.2) + translate({-1.5, 1.6, -1}), diffuse(0.5) + area_light(4)) +
+           point_light({1, 2, 1}, 1) + constant_light(0.1);
+}
+
+/// Means and variances of means over images that are independent of each other.
+struct Images {
+    std::vector<double> mean, variance;
+
+    Images(const TestScene& scene, std::uint64_t samples, std::uint64_t first_seed, int count) {
+        std::vector<RunningStatistics> pixels;
+        for (int i = 0; i < count; ++i) {
+            const FilmState film = scene.render(
+                {.per_pixel = samples, .seed = first_seed + static_cast<std::uint64_t>(i)});
+            EXPECT_EQ(film.dropped_samples(), 0u);
+            pixels.resize(film.pixel_count());
+            for (std::size_t p = 0; p < pixels.size(); ++p) pixels[p].add(film.mean(p, 1));
+        }
+        for (const RunningStatistics& p : pixels) {
+            mean.push_back(p.mean());
+            variance.push_back(sqr(p.standard_error()));
+        }
+    }
+};
+
+class PathReuse : public testing::Test {
+protected:
+    PathReuse() {
+        write_file(folder_ / "sphere.obj", sphere_obj(4, true));
+        content_ = still_life((folder_ / "sphere.obj").string());
+    }
+    TestScene scene(int reuse, const std::string& inside = "") const {
+        return TestScene(
+            path_integrator(integer("reuse", reuse) + integer("max_depth", 5) + inside) + content_);
+    }
+
+    TemporaryFolder folder_;
+    std::string content_;
+};
+
+TEST_F(PathReuse, G11_AgreesWithPathsOfTheirOwnInEveryPixel) {
+    const Images own(scene(1), 256, 0, 48);
+    for (const int reuse : {2, 4}) {
+        const Images shared(scene(reuse), 128, 1000, 48);
+        EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance)) << reuse;
+    }
+}
+
+TEST_F(PathReuse, G11_AgreesWithEarlyRoulette) {
+    const Images own(scene(1), 256, 0, 48);
+    const Images shared(scene(4, integer("rr_depth", 1)), 192, 2000, 48);
+    EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance));
+}
+
+TEST_F(PathReuse, LessNoiseInAMatteRoom) {
+    const std::string room = xml({.to_world = look({0, 0, 3}, {0, 0, 0}), .fov = 20}) +
+                             shape("cube", scale(4), boolean("flip_normals", true) + diffuse(0.7)) +
+                             sphere({0, 3, 0}, 0.3, diffuse(0) + area_light(10));
+    const auto noise = [&](int reuse) {
+        const TestScene scene(path_integrator(integer("reuse", reuse)) + room);
+        const Images images(scene, 64, 0, 24);
+        return std::accumulate(images.variance.begin(), images.variance.end(), 0.0);
+    };
+    // Sixteen paths instead of one, but direct light stays as it is.
+    EXPECT_LT(noise(4), 0.5 * noise(1));
+}
+
+TEST_F(PathReuse, H9_CropIsCutOutOfTheWholeImage) {
+    const std::string crop = integer("crop_offset_x", 3) + integer("crop_offset_y", 2) +
+                             integer("crop_width", 5) + integer("crop_height", 3);
+    std::string cropped = content_;
+    cropped.insert(cropped.find("<rfilter"), crop);
+    const std::string integrator = path_integrator(integer("reuse", 4));
+    const FilmState whole = TestScene(integrator + content_).render({.per_pixel = 8});
+    const FilmState part = TestScene(integrator + cropped).render({.per_pixel = 8});
+    for (std::size_t i = 0; i < part.pixel_count(); ++i) {
+        const std::size_t in_whole = 3 + i % 5 + 12 * (2 + i / 5);
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(part.mean(i, c), whole.mean(in_whole, c));
+    }
+}
+
+TEST_F(PathReuse, N8_ThreadsChangeNoBit) {
+    const TestScene shared = scene(4);
+    EXPECT_EQ(numbers_of(shared.render({.per_pixel = 8, .threads = 1})),
+              numbers_of(shared.render({.per_pixel = 8, .threads = 7})));
+}
+
+}  // namespace
+}  // namespace lucerna
