@@ -78,8 +78,9 @@ void warn(const Params& params, const MeshData& data) {
     }
     if (data.crossing_polygons > 0) {
         params.warning("filename",
-                       fmt::format("{}: {} of its faces cross themselves, and what is inside of "
-                                   "them is not defined; cut them into triangles",
+                       fmt::format("{}: {} of its faces cross themselves, or are bent so much that "
+                                   "they seem to: what is inside of them is not defined; cut them "
+                                   "into triangles",
                                    data.name, data.crossing_polygons));
     }
 }

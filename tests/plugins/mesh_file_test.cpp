@@ -719,8 +719,8 @@ TEST_F(MeshShapes, warnings_of_files_are_those_of_the_scene) {
     EXPECT_EQ(world.diagnostics().all()[0].message,
               "a.obj:5: statements \"l\" are not read: only faces are");
     EXPECT_EQ(world.diagnostics().all()[1].message,
-              "a.obj: 1 of its faces cross themselves, and what is inside of them is not defined; "
-              "cut them into triangles");
+              "a.obj: 1 of its faces cross themselves, or are bent so much that they seem to: what "
+              "is inside of them is not defined; cut them into triangles");
 }
 
 TEST_F(MeshShapes, parameters_without_effect_are_reported) {
