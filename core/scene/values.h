@@ -22,8 +22,8 @@ bool parse_boolean(std::string_view text);
 std::int64_t parse_integer(std::string_view text);
 /// A number that a float can hold: neither overflow nor a vanishing of what is not zero.
 double parse_float(std::string_view text);
-/// Numbers between spaces or single commas; a comma may stand behind the last. What vanishes in a float is taken as it is: exporters
-/// write such entries into matrices.
+/// Numbers between spaces or single commas; a comma may stand behind the last. What vanishes in a
+/// float is taken as it is: exporters write such entries into matrices.
 std::vector<double> parse_numbers(std::string_view text);
 /// "x y z" or "x, y, z".
 Vector3d parse_triple(std::string_view text);
