@@ -32,7 +32,8 @@ CAMERA = """<scene version="3.0.0">
 MESH = CAMERA + """<shape type="{kind}"><string name="filename" value="{name}"/></shape>
 </scene>"""
 PICTURE = CAMERA + """<shape type="sphere"><bsdf type="diffuse">
-<texture type="bitmap" name="reflectance"><string name="filename" value="{name}"/></texture></bsdf></shape></scene>"""
+<texture type="bitmap" name="reflectance"><string name="filename" value="{name}"/></texture>
+</bsdf></shape></scene>"""
 
 SECONDS = 10
 MEMORY = 8 << 30  # address space [bytes]; a damaged file must not ask for more
