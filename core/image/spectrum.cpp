@@ -130,17 +130,18 @@ Spectrum parse_spectrum(std::string_view text, const std::string& name) {
     while (!text.empty()) {
         ++number;
         const std::size_t end = std::min(text.find('\n'), text.size());
-        const std::string_view whole = text.substr(0, end);
+        std::string_view line = text.substr(0, end);
         text.remove_prefix(std::min(end + 1, text.size()));
-        std::string_view line = whole.substr(0, whole.find('#'));
+        line = line.substr(0, line.find('#'));
         if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
         double wavelength = 0, value = 0;
         if (!take_number(line, wavelength) || !take_number(line, value) ||
             line.find_first_not_of(" \t\r") != std::string_view::npos) {
+            // The line is not shown: the file may be none that the author of the scene could read.
             throw FileError(
-                fmt::format("{}:{}: \"{}\" is not a wavelength and a value: two finite "
+                fmt::format("{}:{}: this is not a wavelength and a value: two finite "
                             "numbers with a space between them are expected",
-                            name, number, whole.substr(0, 80)));
+                            name, number));
         }
         if (!spectrum.wavelengths.empty() && wavelength <= spectrum.wavelengths.back()) {
             throw FileError(fmt::format("{}:{}: wavelengths must rise, but {} nm follows {} nm",

@@ -55,7 +55,45 @@ std::string make_excerpt(std::string_view line, std::size_t column) {
     return fmt::format("  {}\n  {}^", text, below);
 }
 
+/// The longest part of the text that ends at `end` at most and between two characters of UTF-8.
+std::string_view head_of(std::string_view text, std::size_t end) {
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
+    return text.substr(0, end);
+}
+
+/// The text with lines of a length that can be read: a name may be as long as a file.
+std::string with_short_lines(std::string_view text) {
+    constexpr std::size_t longest = 1000, head = 300, tail = 600;
+    std::string result;
+    while (!text.empty()) {
+        const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size()));
+        if (line.size() <= longest) {
+            result += line;
+        } else {
+            std::size_t rest = line.size() - tail;
+            while (rest < line.size() && (static_cast<unsigned char>(line[rest]) & 0xc0) == 0x80) {
+                ++rest;
+            }
+            result += head_of(line, head);
+            result += " ... ";
+            result += line.substr(rest);
+        }
+        text.remove_prefix(line.size());
+        if (text.starts_with('\n')) {
+            result += '\n';
+            text.remove_prefix(1);
+        }
+    }
+    return result;
+}
+
 }  // namespace
+
+std::string quote(std::string_view text) {
+    constexpr std::size_t limit = 60;
+    if (text.size() <= limit) return fmt::format("\"{}\"", text);
+    return fmt::format("\"{}...\"", head_of(text, limit));
+}
 
 std::string Diagnostic::text() const {
     const char* level = severity == Severity::error ? "error" : "warning";
@@ -67,10 +105,10 @@ std::string Diagnostic::text() const {
     return result;
 }
 
-void Diagnostics::add(Severity severity, Location where, std::string message) {
+void Diagnostics::add(Severity severity, Location where, std::string_view message) {
     Diagnostic diagnostic;
     diagnostic.severity = severity;
-    diagnostic.message = std::move(message);
+    diagnostic.message = with_short_lines(message);
     if (where.file) {
         diagnostic.file = where.file->path;
         const std::string_view text = where.file->text;
@@ -82,27 +120,29 @@ void Diagnostics::add(Severity severity, Location where, std::string message) {
             const std::size_t end = std::min(text.find('\n', start), text.size());
             diagnostic.line = 1 + static_cast<int>(std::count(head.begin(), head.end(), '\n'));
             diagnostic.column = 1 + static_cast<int>(offset - start);
-            diagnostic.excerpt = make_excerpt(text.substr(start, end - start), offset - start);
+            if (where.file->is_shown) {
+                diagnostic.excerpt = make_excerpt(text.substr(start, end - start), offset - start);
+            }
         }
     }
     error_count_ += severity == Severity::error ? 1 : 0;
     all_.push_back(std::move(diagnostic));
 }
 
-void Diagnostics::error(Location where, std::string message) {
-    add(Severity::error, where, std::move(message));
+void Diagnostics::error(Location where, std::string_view message) {
+    add(Severity::error, where, message);
 }
 
-void Diagnostics::warning(Location where, std::string message) {
-    add(Severity::warning, where, std::move(message));
+void Diagnostics::warning(Location where, std::string_view message) {
+    add(Severity::warning, where, message);
 }
 
-void Diagnostics::plugin_error(Location where, std::string message) {
+void Diagnostics::plugin_error(Location where, std::string_view message) {
     plugin_failed_ = true;
     const bool known = std::any_of(all_.begin(), all_.end(),
                                    [&](const Diagnostic& d) { return d.message == message; });
     if (known) return;
-    add(Severity::error, where, std::move(message));
+    add(Severity::error, where, message);
 }
 
 namespace {
@@ -141,6 +181,8 @@ SceneError::SceneError(std::vector<Diagnostic> diagnostics)
     : Error(text_of(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
+    constexpr std::size_t longest = 100;  // the distance takes time with the square of the length
+    if (word.size() > longest) return "";
     std::string best;
     std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
     for (const std::string& candidate : candidates) {

@@ -38,6 +38,9 @@ public:
 struct SourceFile {
     std::string path;
     std::string text;
+    /// Whether messages show lines of it. Not of an included file before it is known to be XML: it
+    /// may be any file that the author of the scene could name but not read.
+    bool is_shown = true;
 };
 
 /// A byte in a source file. Line and column are computed only when a message needs them.
@@ -66,11 +69,11 @@ struct Diagnostic {
 /// All that is wrong with a scene, in the order in which it was found.
 class Diagnostics {
 public:
-    void error(Location where, std::string message);
-    void warning(Location where, std::string message);
+    void error(Location where, std::string_view message);
+    void warning(Location where, std::string_view message);
     /// An error that is no fault of the scene: a library that cannot be used. Said once, however
     /// often the scene names it.
-    void plugin_error(Location where, std::string message);
+    void plugin_error(Location where, std::string_view message);
 
     const std::vector<Diagnostic>& all() const { return all_; }
     int error_count() const { return error_count_; }
@@ -79,7 +82,8 @@ public:
     void throw_if_errors() const;
 
 private:
-    void add(Severity severity, Location where, std::string message);
+    /// Lines of the message that are very long lose their middle.
+    void add(Severity severity, Location where, std::string_view message);
     std::vector<Diagnostic> all_;
     int error_count_ = 0;
     bool plugin_failed_ = false;
@@ -102,6 +106,9 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
 
 /// `; did you mean "x"?` or empty: to be appended to a message.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
+
+/// The text in quotation marks, shortened if it is long.
+std::string quote(std::string_view text);
 
 /// "a, b, c"
 std::string join(const std::vector<std::string>& words, std::string_view separator = ", ");

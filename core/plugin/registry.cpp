@@ -48,10 +48,15 @@ const Kind* find_kind(std::string_view name) {
     return found == kinds.end() ? nullptr : &*found;
 }
 
+constexpr std::size_t longest_name = 100;
+
+/// Only such names become the names of files: no other can lead out of the folders of plugins.
 bool is_plain_name(std::string_view name) {
-    return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-        return std::isalnum(c) || c == '_' || c == '-';
-    });
+    return !name.empty() && name.size() <= longest_name &&
+           std::all_of(name.begin(), name.end(), [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '_' || c == '-';
+           });
 }
 
 }  // namespace
@@ -138,8 +143,14 @@ const PluginInfo& Registry::find(std::string_view kind, std::string_view asked) 
     if (library.empty()) {
         const std::vector<std::string> there_are = names(kind);
         std::string message =
-            fmt::format("there is no {} \"{}\"{}", kind, asked, did_you_mean(asked, there_are));
+            fmt::format("there is no {} {}{}", kind, quote(asked), did_you_mean(asked, there_are));
+        if (!is_plain_name(name)) {
+            message += fmt::format(
+                "\n  names of plugins are letters, digits, \"_\" and \"-\", {} at the most",
+                longest_name);
+        }
         for (const fs::path& folder : folders_) {
+            if (!is_plain_name(name)) break;
             message += fmt::format("\n  looked for {}",
                                    (folder / plugin_folder(kind) / (name + ".so")).string());
         }

@@ -54,6 +54,12 @@ std::string legacy_name(std::string_view name) {
     return result;
 }
 
+std::string legacy_type(std::string_view type) {
+    std::string result(type);
+    for (char& c : result) c = is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
+    return result;
+}
+
 std::string_view legacy_tag(std::string_view tag) { return tag == "lookAt" ? "lookat" : tag; }
 
 void upgrade_legacy(Element& element, Diagnostics& diagnostics) {

@@ -9,6 +9,9 @@ namespace lucerna {
 /// "toWorld" becomes "to_world", "intIOR" becomes "int_ior".
 std::string legacy_name(std::string_view name);
 
+/// The name of a plugin: capitals become small letters.
+std::string legacy_type(std::string_view type);
+
 /// "lookAt" becomes "lookat"; other tags kept their names.
 std::string_view legacy_tag(std::string_view tag);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/mesh.h"
 
+#include "core/math/polygon.h"
 #include "core/math/rounding.h"
 #include "core/math/solid_angle.h"
 #include "core/math/warp.h"
@@ -69,6 +70,21 @@ void orient(MeshData& data) {
     }
 }
 
+void warn(const Params& params, const MeshData& data) {
+    for (const std::string& warning : data.warnings) params.warning("filename", warning);
+    if (data.indices.empty()) {
+        params.warning("filename",
+                       fmt::format("{}: there are no faces: nothing of it is seen", data.name));
+    }
+    if (data.crossing_polygons > 0) {
+        params.warning("filename",
+                       fmt::format("{}: {} of its faces cross themselves, or are bent so much that "
+                                   "they seem to: what is inside of them is not defined; cut them "
+                                   "into triangles",
+                                   data.name, data.crossing_polygons));
+    }
+}
+
 double angle_between(Vector3d a, Vector3d b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
@@ -109,12 +125,14 @@ void MeshData::add_normal(Vector3d n) {
     normals.emplace_back(length == 0 ? moved : moved / length);
 }
 
-void MeshData::add_polygon(std::span<const std::uint32_t> corners) {
-    for (std::size_t i = 2; i < corners.size(); ++i) {
-        indices.push_back(corners[0]);
-        indices.push_back(corners[i - 1]);
-        indices.push_back(corners[i]);
+bool MeshData::add_polygon(std::span<const std::uint32_t> corners) {
+    if (corners.size() == 3) {
+        indices.insert(indices.end(), corners.begin(), corners.end());
+        return true;
     }
+    const PolygonCut cut = cut_polygon(positions, corners, indices);
+    if (cut == PolygonCut::crossing) ++crossing_polygons;
+    return cut != PolygonCut::too_large;
 }
 
 void MeshData::flip_v() {
@@ -194,7 +212,7 @@ Mesh::Mesh(const Params& params)
         "smooths none");
 }
 
-void Mesh::assign(MeshData data) {
+void Mesh::assign(const Params& params, MeshData data) {
     if (data.positions.size() >= PrimitiveId::none ||
         data.indices.size() / 3 >= PrimitiveId::none) {
         throw Error(fmt::format("{}: {} vertices and {} triangles are too many; split the mesh",
@@ -202,6 +220,7 @@ void Mesh::assign(MeshData data) {
     }
     require_vertices(data);
     require_indices(data);
+    warn(params, data);
     if (face_normals_ || data.face_normals) data.normals.clear();
     orient(data);
     if (data.normals.empty() && !face_normals_ && !data.face_normals) {

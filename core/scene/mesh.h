@@ -29,13 +29,16 @@ struct MeshData {
     std::vector<Vector2> uvs;            ///< none or one for each position
     std::vector<std::uint32_t> indices;  ///< three to a triangle
     bool face_normals = false;           ///< the file asks for a faceted look
+    std::uint64_t crossing_polygons = 0;
+    std::vector<std::string> warnings;  ///< what the file holds and the mesh does not
 
     /// Makes room. The counts must not be larger than the file can hold.
     void reserve(std::size_t vertices, std::size_t triangles);
     void add_position(Vector3d p) { positions.emplace_back(world_from_file.point(p)); }
     void add_normal(Vector3d n);
-    /// Turns a convex polygon into a fan of triangles around its first vertex.
-    void add_polygon(std::span<const std::uint32_t> corners);
+    /// Adds the triangles of a polygon (polygon.h). Its vertices must be there. False if it is too
+    /// large.
+    bool add_polygon(std::span<const std::uint32_t> corners);
     /// v → 1 − v.
     void flip_v();
 };
@@ -94,8 +97,9 @@ public:
 protected:
     /// Reads what all meshes have: `face_normals`. Empty until `assign`.
     explicit Mesh(const Params& params);
-    /// Takes the arrays over. Throws Error if a vertex is not finite or an index too large.
-    void assign(MeshData data);
+    /// Takes the arrays over and tells the warnings. Throws Error if a vertex is not finite or an
+    /// index too large.
+    void assign(const Params& params, MeshData data);
 
 private:
     struct Triangle;

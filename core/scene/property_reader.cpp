@@ -50,6 +50,15 @@ std::vector<std::string> keys(const AttributeTable& table) {
     return names;
 }
 
+/// A vector across `view`: the first axis of the frame around it (Duff et al. 2017, "Building an
+/// Orthonormal Basis, Revisited").
+Vector3d axis_beside(Vector3d view) {
+    const Vector3d n = view / glm::length(view);
+    const double sign = std::copysign(1.0, n.z);
+    const double a = -1 / (sign + n.z);
+    return {1 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x};
+}
+
 bool is_finite(const Matrix4d& matrix) {
     for (int column = 0; column < 4; ++column) {
         for (int row = 0; row < 4; ++row) {
@@ -85,7 +94,7 @@ std::optional<PropertyValue> PropertyReader::read(const Tag& tag, const ReadCont
                            "<blackbody>, or <spectrum> with value or filename");
         return {};
     }
-    if (!check_attributes(tag, property_tags().at(tag.name), diagnostics_)) return {};
+    if (!check_property(tag, context)) return {};
     if (tag.name == "transform") return read_transform(tag, context);
     if (const XmlElement inner = tag.element.first_child()) {
         diagnostics_.error({tag.source, inner.offset()},
@@ -103,10 +112,26 @@ std::optional<PropertyValue> PropertyReader::read(const Tag& tag, const ReadCont
         if (tag.name == "boolean") return parse_boolean(value);
         if (tag.name == "integer") return parse_integer(value);
         if (tag.name == "float") return parse_float(value);
-        if (tag.name == "rgb") return Rgb{parse_rgb(value)};
+        if (tag.name == "rgb") {
+            return Rgb{context.legacy ? parse_linear_rgb(value) : parse_rgb(value)};
+        }
         if (tag.name == "srgb") return Rgb{parse_srgb(value)};
         return std::string(value);
     });
+}
+
+bool PropertyReader::check_property(const Tag& tag, const ReadContext& context) {
+    AcceptedAttributes accepted = property_tags().at(tag.name);
+    const bool may_have_intent = tag.name == "rgb" || (tag.name == "spectrum" && tag.has("value"));
+    if (context.legacy && may_have_intent) accepted.optional.emplace_back("intent");
+    if (!check_attributes(tag, accepted, diagnostics_)) return false;
+    if (!tag.has("intent")) return true;
+    // How a spectrum would be made of the colour; here it stays one.
+    const std::string_view intent = tag.value("intent");
+    if (intent == "reflectance" || intent == "illuminant") return true;
+    diagnostics_.error(tag.where("intent"),
+                       fmt::format("expected reflectance or illuminant, not {}", quote(intent)));
+    return false;
 }
 
 std::optional<Vector3d> PropertyReader::read_triple(const Tag& tag, double absent) {
@@ -119,9 +144,9 @@ std::optional<Vector3d> PropertyReader::read_triple(const Tag& tag, double absen
     }
     if (tag.has("value")) {
         return attempt(tag, "value", [&] {
-            // One factor may stand for three equal ones.
+            // One number may stand for three equal ones.
             const std::vector<double> numbers = parse_numbers(tag.value("value"));
-            if (tag.name == "scale" && numbers.size() == 1) return Vector3d(numbers[0]);
+            if (numbers.size() == 1) return Vector3d(numbers[0]);
             return parse_triple(tag.value("value"));
         });
     }
@@ -152,7 +177,11 @@ std::optional<Rgb> PropertyReader::read_spectrum_tag(const Tag& tag, const ReadC
             const std::filesystem::path path = find_file(text, search_paths_);
             return {ColorD(rgb_from_spectrum(read_spectrum(path), use))};
         }
-        if (text.find(':') == std::string_view::npos) return {ColorD(parse_float(text))};
+        if (text.find(':') == std::string_view::npos) {
+            // Mitsuba 0.6 as it was distributed had three samples of a spectrum: R, G and B.
+            if (context.legacy) return {parse_linear_rgb(text)};
+            return {ColorD(parse_float(text))};
+        }
         return {ColorD(rgb_from_spectrum(parse_spectrum_list(text), use))};
     });
 }
@@ -160,7 +189,7 @@ std::optional<Rgb> PropertyReader::read_spectrum_tag(const Tag& tag, const ReadC
 std::optional<Rgb> PropertyReader::read_blackbody(const Tag& tag) {
     const auto temperature = attempt(tag, "temperature", [&] {
         std::string_view text = trimmed(tag.value("temperature"));
-        if (text.ends_with('K')) text.remove_suffix(1);
+        if (text.ends_with('K') || text.ends_with('k')) text.remove_suffix(1);
         const double kelvin = parse_float(text);
         if (!(kelvin > 0)) throw Error(fmt::format("{} K is no temperature above zero", kelvin));
         return kelvin;
@@ -228,9 +257,13 @@ std::optional<Transform> PropertyReader::read_look_at(const Tag& tag) {
     };
     const auto origin = vector("origin", {});
     const auto target = vector("target", {});
-    const auto up = vector("up", {0, 1, 0});
+    const auto up = vector("up", {0, 0, 0});
     if (!origin || !target || !up) return {};
-    return attempt(tag, "target", [&] { return Transform::look_at(*origin, *target, *up); });
+    // Without "up", the image is turned as Mitsuba turns it.
+    const bool has_up = *up != Vector3d(0);
+    return attempt(tag, "target", [&] {
+        return Transform::look_at(*origin, *target, has_up ? *up : axis_beside(*target - *origin));
+    });
 }
 
 }  // namespace lucerna

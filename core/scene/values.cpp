@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/values.h"
 
-#include "core/plugin/error.h"
-
 #include <fmt/format.h>
 
 #include <charconv>
@@ -14,14 +12,6 @@ std::string_view trimmed(std::string_view text) {
     const std::size_t begin = text.find_first_not_of(space);
     if (begin == std::string_view::npos) return {};
     return text.substr(begin, text.find_last_not_of(space) - begin + 1);
-}
-
-std::string quote(std::string_view text) {
-    constexpr std::size_t limit = 60;
-    if (text.size() <= limit) return fmt::format("\"{}\"", text);
-    std::size_t end = limit;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // whole UTF-8
-    return fmt::format("\"{}...\"", text.substr(0, end));
 }
 
 namespace {
@@ -59,19 +49,16 @@ public:
         return value;
     }
 
-    /// White space, or one comma with white space around it.
-    void separator() {
+    /// White space, or one comma with white space around it. False if nothing follows.
+    bool separator() {
         const std::size_t before = rest_.size();
         skip_space();
-        if (skip(',')) {
-            skip_space();
-            if (done())
-                throw Error(fmt::format("a number is missing at the end of {}", quote(text_)));
-        }
+        if (skip(',')) skip_space();
         if (rest_.size() == before) {
             throw Error(fmt::format("expected a space or a comma before \"{}\" in {}",
                                     rest_.substr(0, 1), quote(text_)));
         }
+        return !done();
     }
 
     void colon() {
@@ -138,7 +125,8 @@ ColorD parse_channels(std::string_view text) {
 }  // namespace
 
 bool parse_boolean(std::string_view text) {
-    const std::string_view word = trimmed(text);
+    std::string word(trimmed(text).substr(0, 6));
+    for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     if (word != "true" && word != "false") {
         throw Error(fmt::format("expected true or false, not {}", quote(text)));
     }
@@ -178,7 +166,7 @@ double parse_float(std::string_view text) {
 std::vector<double> parse_numbers(std::string_view text) {
     std::vector<double> numbers;
     for (Scanner scanner(text); numbers.empty() || !scanner.done();) {
-        if (!numbers.empty()) scanner.separator();
+        if (!numbers.empty() && !scanner.separator()) break;
         numbers.push_back(scanner.number());
     }
     return numbers;
@@ -196,6 +184,11 @@ ColorD parse_rgb(std::string_view text) {
     const std::string_view word = trimmed(text);
     if (word.starts_with('#')) return linear_from_srgb(parse_hex(word));
     return parse_channels(text);
+}
+
+ColorD parse_linear_rgb(std::string_view text) {
+    const std::string_view word = trimmed(text);
+    return word.starts_with('#') ? parse_hex(word) : parse_channels(text);
 }
 
 ColorD parse_srgb(std::string_view text) {
@@ -221,7 +214,7 @@ Matrix4d parse_matrix(std::string_view text) {
 Spectrum parse_spectrum_list(std::string_view text) {
     Spectrum spectrum;
     for (Scanner scanner(text); spectrum.values.empty() || !scanner.done();) {
-        if (!spectrum.values.empty()) scanner.separator();
+        if (!spectrum.values.empty() && !scanner.separator()) break;
         spectrum.wavelengths.push_back(scanner.number());
         scanner.colon();
         spectrum.values.push_back(scanner.number());

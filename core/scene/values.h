@@ -7,6 +7,7 @@
 
 #include "core/image/spectrum.h"
 #include "core/math/vector.h"
+#include "core/plugin/error.h"
 
 #include <cstdint>
 #include <string>
@@ -15,20 +16,22 @@
 
 namespace lucerna {
 
-/// "true" or "false".
+/// "true" or "false", in small letters or capitals.
 bool parse_boolean(std::string_view text);
 /// Decimal, 64 bit.
 std::int64_t parse_integer(std::string_view text);
 /// A number that a float can hold: neither overflow nor a vanishing of what is not zero.
 double parse_float(std::string_view text);
-/// Numbers between spaces or single commas. What vanishes in a float is taken as it is: exporters
-/// write such entries into matrices.
+/// Numbers between spaces or single commas; a comma may stand behind the last. What vanishes in a
+/// float is taken as it is: exporters write such entries into matrices.
 std::vector<double> parse_numbers(std::string_view text);
 /// "x y z" or "x, y, z".
 Vector3d parse_triple(std::string_view text);
 /// Linear "r g b", one grey value, or "#rrggbb", which is decoded from sRGB.
 ColorD parse_rgb(std::string_view text);
-/// The same, but plain numbers are sRGB-encoded, too.
+/// The same, but "#rrggbb" is linear, too: as in scenes for Mitsuba before version 2.
+ColorD parse_linear_rgb(std::string_view text);
+/// The same as parse_rgb, but plain numbers are sRGB-encoded, too.
 ColorD parse_srgb(std::string_view text);
 /// 16 numbers, or 9 for the upper left 3×3 part; row by row.
 Matrix4d parse_matrix(std::string_view text);
@@ -36,8 +39,6 @@ Matrix4d parse_matrix(std::string_view text);
 /// "400:0.1, 500:0.2": values at rising wavelengths [nm].
 Spectrum parse_spectrum_list(std::string_view text);
 
-/// The text in quotation marks, shortened if it is long.
-std::string quote(std::string_view text);
 /// Without white space at both ends.
 std::string_view trimmed(std::string_view text);
 

@@ -174,8 +174,8 @@ private:
         const std::size_t start = std::min(value.find_first_not_of(" \t\r\n"), value.size());
         const std::size_t at = static_cast<std::size_t>(node.offset_debug()) + start;
         diagnostics_.error({&source_, at},
-                           fmt::format("text between elements: {}; values belong into attributes",
-                                       quote(trimmed(value))));
+                           fmt::format("text between elements{}; values belong into attributes",
+                                       source_.is_shown ? ": " + quote(trimmed(value)) : ""));
     }
 
     /// Of the '<' before a name or a value.

@@ -58,7 +58,7 @@ public:
         root.kind = "scene";
         root.where = {&main_, 0};
         description_.root = &root;
-        read_source({.source = &main_}, root);
+        read_source({}, main_, root);
         if (!references_.resolve(root, limits_.max_depth, limits_.max_errors)) {
             description_.buildable = false;
         }
@@ -84,7 +84,8 @@ private:
 
     /// Reads the elements of one file into `into`. The root of the main file is a <scene>; that of
     /// an included one may be a single object as well.
-    void read_source(ReadContext context, Element& into) {
+    void read_source(ReadContext context, SourceFile& source, Element& into) {
+        context.source = &source;
         bytes_ += context.source->text.size();
         if (bytes_ > limits_.max_bytes) {
             incomplete(into);
@@ -92,9 +93,11 @@ private:
                                                                        "bytes",
                                                                        limits_.max_bytes));
         }
+        const int errors_before = diagnostics_.error_count();
         const XmlDocument document(*context.source, limits_, elements_, diagnostics_);
         const XmlElement root = document.root();
         if (!root) return incomplete(into);
+        source.is_shown |= diagnostics_.error_count() == errors_before;
         const Tag tag = read_tag(root, context, definitions_);
         if (context.include_depth == 0) into.where = tag.where();
         if (tag.name == "scene") {
@@ -207,7 +210,7 @@ private:
         const bool valid = check_attributes(tag, accepted, diagnostics_);
         Element& element = description_.elements.emplace_back();
         element.kind = tag.name;
-        element.type = tag.value("type");
+        element.type = context.legacy ? legacy_type(tag.value("type")) : tag.value("type");
         element.id = tag.value("id");
         element.where = tag.where();
         element.incomplete = !valid || !tag.complete;
@@ -318,14 +321,13 @@ private:
                 throw Error(fmt::format("the scene has more than {} bytes", limits_.max_bytes));
             }
             const std::vector<std::uint8_t> bytes = read_file_bytes(path);
-            const SourceFile& source = description_.sources.emplace_back(
-                SourceFile{path.string(), {bytes.begin(), bytes.end()}});
+            SourceFile& source = description_.sources.emplace_back(
+                SourceFile{path.string(), {bytes.begin(), bytes.end()}, false});
             open_files_.push_back(&source);
             add_search_path(folder_of(source.path));
             ReadContext inner = context;
-            inner.source = &source;
             ++inner.include_depth;
-            read_source(inner, into);
+            read_source(inner, source, into);
             open_files_.pop_back();
         } catch (const Error& error) {
             diagnostics_.error(where, error.what());

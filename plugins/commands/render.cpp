@@ -124,6 +124,15 @@ SessionSettings session_settings(const Request& request) {
     return settings;
 }
 
+bool is_black(const FilmState& film) {
+    for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            if (film.mean(pixel, channel) != 0) return false;
+        }
+    }
+    return true;
+}
+
 /// One run of the command.
 class Rendering {
 public:
@@ -179,6 +188,10 @@ int Rendering::run() {
     write_pictures(session_.scene().sensor().film(),
                    annotated_image(result, command_, request_.scene), paths_, view_);
     fmt::print(stderr, "{}", figures_warnings(result.figures));
+    if (session_.scene().lights().empty() && is_black(result.film)) {
+        fmt::print(stderr,
+                   "warning: the picture is black: the scene has no light; add an <emitter>\n");
+    }
     print(result);
     if (no_checkpoint) std::rethrow_exception(no_checkpoint);
     return result.interrupted ? exit_code::interrupted : exit_code::success;

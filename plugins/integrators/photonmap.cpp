@@ -135,9 +135,12 @@ PhotonMap PhotonMapIntegrator::build(const RenderJob& job, const PhotonTracer& t
             tracer, pass, job.workers(), [&] { return job.interrupted(); }, stored);
     }
     if (stored.photons.empty() && stored.emitted > 0 && !job.interrupted()) {
+        const char* const where = includes(kinds, PhotonKind::direct) ? ""
+                                  : includes(kinds, PhotonKind::indirect)
+                                      ? " after another"
+                                      : " after a mirror or glass";
         fmt::print(stderr, "warning: photonmap: of {:.0f} photons none met a diffuse surface{}\n",
-                   stored.emitted,
-                   includes(kinds, PhotonKind::indirect) ? "" : " after a mirror or glass");
+                   stored.emitted, where);
     }
     const float scene_radius = job.scene().bounds().radius();
     const float radius = settings.radius * (scene_radius > 0 ? scene_radius : 1);

@@ -4,7 +4,8 @@
 ///
 /// Unbiased, and good at caustics: the check on photon mapping. It cannot find what is seen in a
 /// mirror or through glass; those surfaces are black. Lights themselves are seen by camera rays.
-/// Sample i of all pixels is one pass of as many particles as there are pixels.
+/// Sample i of all pixels is one pass of as many particles as the whole image has pixels: with a
+/// crop window, too, which is then exactly a part of it.
 #include "plugins/integrators/photon_camera.h"
 
 #include "core/render/render_job.h"
@@ -14,7 +15,7 @@ namespace lucerna {
 namespace {
 
 struct Splat {
-    Vector2 position;  ///< on the film, relative to the window of the image
+    Vector2 position;  ///< on the whole film [pixels]
     Color value;
 };
 
@@ -41,16 +42,15 @@ public:
         return Bands(static_cast<std::size_t>((size_.y + band_rows - 1) / band_rows));
     }
 
-    /// `position` on the whole film [pixels].
-    void add(Bands& bands, Vector2 position, Color value) const {
-        const Vector2 p = position - Vector2(offset_);
+    void add(Bands& bands, const Splat& splat) const {
+        const Vector2 p = splat.position - Vector2(offset_);
         const float reach = filter_.radius() + 1;
         if (!(p.x > -reach && p.x < static_cast<float>(size_.x) + reach)) return;
         if (!(p.y > -reach && p.y < static_cast<float>(size_.y) + reach)) return;
         const int first = std::max(static_cast<int>(p.y - reach), 0) / band_rows;
         const int last = std::min(static_cast<int>(p.y + reach), size_.y - 1) / band_rows;
         for (int band = first; band <= last; ++band) {
-            bands[static_cast<std::size_t>(band)].push_back({p, value});
+            bands[static_cast<std::size_t>(band)].push_back(splat);
         }
     }
 
@@ -83,12 +83,15 @@ private:
         const auto from = [&](float x) { return static_cast<int>(std::floor(x - radius)); };
         const auto to = [&](float x) { return static_cast<int>(std::ceil(x + radius)); };
         const Vector2 p = splat.position;
+        first += offset_.y;
+        end += offset_.y;
+        const int left = offset_.x, right = offset_.x + size_.x;
         for (int y = std::max(from(p.y), first); y < std::min(to(p.y), end); ++y) {
             const float wy = filter_.evaluate(static_cast<float>(y) + 0.5f - p.y);
             if (wy == 0) continue;
-            for (int x = std::max(from(p.x), 0); x < std::min(to(p.x), size_.x); ++x) {
+            for (int x = std::max(from(p.x), left); x < std::min(to(p.x), right); ++x) {
                 const float wx = filter_.evaluate(static_cast<float>(x) + 0.5f - p.x);
-                row(y)[x] += splat.value * (wx * wy * scale);
+                row(y - offset_.y)[x - offset_.x] += splat.value * (wx * wy * scale);
             }
         }
     }
@@ -106,7 +109,8 @@ public:
           hide_emitters_(
               params.boolean("hide_emitters", false, "whether the camera sees emitters")) {
         params.no_effect("granularity", "particles are dealt out evenly");
-        params.no_effect("samples_per_pass", "a pass has as many particles as there are pixels");
+        params.no_effect("samples_per_pass",
+                         "a pass has as many particles as the image has pixels");
     }
 
     void render(RenderJob& job) const override;
@@ -140,18 +144,20 @@ void ParticleTracer::connect(const Scene& scene, const PhotonHit& hit, Vector2 u
     Ray ray = at.spawn_ray(seen->wi);
     ray.tmax = seen->distance;
     if (scene.occluded(ray)) return;
-    image.add(bands, seen->position,
-              hit.power * f * ((wo.z / wo_n) * std::abs(wi_n) * seen->importance));
+    image.add(bands, {seen->position,
+                      hit.power * f * ((wo.z / wo_n) * std::abs(wi_n) * seen->importance)});
 }
 
 void ParticleTracer::trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index,
                            SplatImage& image) const {
     constexpr std::uint64_t chunk_size = 2048;
-    const PhotonPass pass{.key = hash64({job.seed(), index, 0x97ac}),
-                          .count = job.state().pixel_count(),
-                          .max_depth = limits_.max_depth - 1,
-                          .rr_depth = limits_.rr_depth,
-                          .kinds = ~0u};
+    const Vector2i film = job.state().layout().full_size;
+    const PhotonPass pass{
+        .key = hash64({job.seed(), index, 0x97ac}),
+        .count = static_cast<std::uint64_t>(film.x) * static_cast<std::uint64_t>(film.y),
+        .max_depth = limits_.max_depth - 1,
+        .rr_depth = limits_.rr_depth,
+        .kinds = ~0u};
     std::vector<SplatImage::Bands> chunks((pass.count + chunk_size - 1) / chunk_size,
                                           image.empty_bands());
     job.workers().run(std::ssize(chunks), [&](std::int64_t c) {

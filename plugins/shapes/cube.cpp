@@ -42,7 +42,7 @@ public:
             const std::uint32_t corners[] = {first, first + 1, first + 2, first + 3};
             data.add_polygon(corners);
         }
-        assign(std::move(data));
+        assign(params, std::move(data));
     }
 };
 

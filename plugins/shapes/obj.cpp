@@ -8,8 +8,11 @@
 ///   to_world         transform
 ///   flip_normals     boolean    false
 ///
-/// All faces become one mesh, polygons become fans of triangles. Materials of the file are not
-/// read: the shape's BSDF holds for all of it. Without normals, smooth ones are computed.
+/// All faces of all objects and groups become one mesh; polygons, concave ones too, are cut into
+/// triangles. Materials of the file are not read: the shape's BSDF holds for all of it, and a
+/// warning says so if there are several. `lucerna import` makes a scene with materials of such a
+/// file. Without normals, smooth ones are computed. Lines, points, curved surfaces and vertex
+/// colours are not read, with a warning.
 #include "core/image/file_bytes.h"
 #include "plugins/shapes/obj_reader.h"
 
@@ -27,7 +30,7 @@ public:
         MeshData data =
             read_obj(read_file_bytes(path), path.filename().string(), world_from_object());
         if (!upwards) data.flip_v();
-        assign(std::move(data));
+        assign(params, std::move(data));
     }
 };
 

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads the triangles of Wavefront OBJ files: v, vt, vn and f. All faces make one mesh; what says
-/// nothing about triangles (groups, materials, lines, curves) is passed over.
+/// Reads the faces of Wavefront OBJ files: v, vt, vn and f (Wavefront 1992, "Object Files"). All
+/// objects and groups make one mesh. What cannot be read and would be seen becomes a warning.
 #pragma once
 
+#include "core/math/polygon.h"
 #include "core/scene/mesh.h"
 #include "plugins/shapes/text_cursor.h"
+#include "plugins/shapes/vertex_join.h"
+
+#include <array>
+#include <set>
 
 namespace lucerna {
 
@@ -21,6 +26,7 @@ public:
     /// Throws Error with the line.
     MeshData read() {
         for (; !at_.at_end(); at_.next_line()) read_statement();
+        warn();
         if (source_.normals.empty()) mesh_.normals.clear();
         if (source_.uvs.empty()) mesh_.uvs.clear();
         return std::move(mesh_);
@@ -29,27 +35,43 @@ public:
 private:
     static constexpr std::uint32_t none = 0xffffffff;
 
-    /// A vertex of the mesh is a position with its texture coordinates and normal. Those that
-    /// share a position form a list.
-    struct Vertex {
+    /// What a corner of a face adds to its position; `none` if it does not.
+    struct Corner {
         std::uint32_t uv, normal;
-        std::uint32_t next;
+        bool operator==(const Corner&) const = default;
     };
 
     void read_statement() {
         const std::string_view word = at_.word();
+        if (word.empty() || word[0] == '#') return;
         if (word == "v") {
-            source_.add_position(read_triple("a coordinate"));
-            first_vertex_.push_back(none);
+            read_position();
         } else if (word == "vn") {
             source_.add_normal(read_triple("a normal"));
         } else if (word == "vt") {
             read_uv();
-        } else if (word == "f") {
+        } else if (word == "f" || word == "fo") {  // fo: as f, until version 2
             read_face();
-        } else if (!word.empty() && word[0] != '#' && !is_name(word)) {
+        } else if (word == "usemtl") {
+            material_ = at_.word();
+            is_new_material_ = true;
+        } else if (!is_name(word)) {
             at_.fail("this is not a statement of an OBJ file; is it text?");
+        } else if (!draws_nothing(word)) {
+            if (unread_.empty()) first_unread_ = at_.at_this_line("");
+            if (unread_.size() < most_unread) unread_.emplace(word.substr(0, 32));
         }
+        while (!at_line_end()) at_.word();  // to the end of lines that continue
+    }
+
+    /// Names, numbers of groups and levels, and what belongs to curved surfaces, which are found by
+    /// their own statements.
+    static bool draws_nothing(std::string_view word) {
+        static constexpr std::array<std::string_view, 24> words = {
+            "g",        "o",        "s",   "mg",    "mtllib", "usemap", "maplib",     "bevel",
+            "c_interp", "d_interp", "lod", "vp",    "cstype", "deg",    "bmat",       "step",
+            "parm",     "end",      "con", "ctech", "stech",  "sp",     "shadow_obj", "trace_obj"};
+        return std::find(words.begin(), words.end(), word) != words.end();
     }
 
     /// Statements are words of letters and the like; anything else is a damaged or binary file.
@@ -62,7 +84,16 @@ private:
 
     bool at_line_end() {
         at_.skip_blanks();
-        return at_.peek() == '\n' || at_.peek() == '#';
+        return at_.at_line_end() || at_.peek() == '#';
+    }
+
+    /// x y z, then a weight (of curves) or a colour.
+    void read_position() {
+        source_.add_position(read_triple("a coordinate"));
+        vertices_.add_position();
+        int more = 0;
+        for (; !at_line_end(); ++more) at_.number("a weight or colour");
+        has_colors_ = has_colors_ || more >= 3;
     }
 
     Vector3d read_triple(std::string_view what) {
@@ -84,7 +115,12 @@ private:
         if (polygon_.size() < 3) {
             at_.fail(fmt::format("a face needs 3 vertices or more, not {}", polygon_.size()));
         }
-        mesh_.add_polygon(polygon_);
+        if (!mesh_.add_polygon(polygon_)) {
+            at_.fail(fmt::format("a face that is not convex has {} vertices, more than {}; cut it",
+                                 polygon_.size(), max_concave_corners));
+        }
+        if (is_new_material_ && used_materials_.size() < 2) used_materials_.insert(material_);
+        is_new_material_ = false;
     }
 
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
@@ -112,24 +148,43 @@ private:
     }
 
     std::uint32_t join(std::uint32_t position, std::uint32_t uv, std::uint32_t normal) {
-        for (std::uint32_t i = first_vertex_[position]; i != none; i = vertices_[i].next) {
-            if (vertices_[i].uv == uv && vertices_[i].normal == normal) return i;
+        const auto [vertex, is_new] = vertices_.find(position, {uv, normal});
+        if (is_new) {
+            mesh_.positions.push_back(source_.positions[position]);
+            mesh_.uvs.push_back(uv == none ? Vector2(0) : source_.uvs[uv]);
+            mesh_.normals.push_back(normal == none ? Vector3(0) : source_.normals[normal]);
         }
-        const auto added = static_cast<std::uint32_t>(vertices_.size());
-        vertices_.push_back({uv, normal, first_vertex_[position]});
-        first_vertex_[position] = added;
-        mesh_.positions.push_back(source_.positions[position]);
-        mesh_.uvs.push_back(uv == none ? Vector2(0) : source_.uvs[uv]);
-        mesh_.normals.push_back(normal == none ? Vector3(0) : source_.normals[normal]);
-        return added;
+        return vertex;
     }
+
+    void warn() {
+        if (!unread_.empty()) {
+            mesh_.warnings.push_back(fmt::format("{}statements \"{}\" are not read: only faces are",
+                                                 first_unread_, fmt::join(unread_, "\", \"")));
+        }
+        if (has_colors_) {
+            mesh_.warnings.push_back(fmt::format("{}: vertex colours are not read", mesh_.name));
+        }
+        if (used_materials_.size() > 1) {
+            mesh_.warnings.push_back(fmt::format(
+                "{}: its faces are of several materials, which are not read: the shape's BSDF "
+                "holds for all; \"lucerna import\" makes a scene of the file",
+                mesh_.name));
+        }
+    }
+
+    static constexpr std::size_t most_unread = 16;
 
     TextCursor at_;
     MeshData source_;  ///< what v, vt and vn have defined; no indices
     MeshData mesh_;
-    std::vector<std::uint32_t> first_vertex_;  ///< of each position, or none
-    std::vector<Vertex> vertices_;
+    VertexJoin<Corner> vertices_;
     std::vector<std::uint32_t> polygon_;
+    std::string material_;
+    bool is_new_material_ = true;
+    std::set<std::string> used_materials_, unread_;
+    std::string first_unread_;  ///< its place
+    bool has_colors_ = false;
 };
 
 /// The mesh of an OBJ file. Throws Error.

@@ -7,9 +7,10 @@
 ///   to_world         transform
 ///   flip_normals     boolean    false
 ///
-/// Reads x y z, nx ny nz, u v (or s t, texture_u texture_v) of vertices, and vertex_indices of
-/// faces; polygons become fans of triangles. Other properties are not read. Without normals, smooth
-/// ones are computed.
+/// Reads x y z, nx ny nz, u v (or s t, texture_u texture_v) of vertices, and vertex_indices and
+/// texcoord of faces; polygons, concave ones too, are cut into triangles. Triangle strips are read,
+/// too. A warning lists what is not read, as vertex colours. Without normals, smooth ones are
+/// computed.
 #include "core/image/file_bytes.h"
 #include "plugins/shapes/ply_reader.h"
 
@@ -26,7 +27,7 @@ public:
         MeshData data =
             read_ply(read_file_bytes(path), path.filename().string(), world_from_object());
         if (!upwards) data.flip_v();
-        assign(std::move(data));
+        assign(params, std::move(data));
     }
 };
 

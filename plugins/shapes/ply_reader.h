@@ -1,208 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Reads the triangles of PLY files (Turk 1994): ASCII and binary of both byte orders, properties
-/// of any type in any order, polygons of any size. What is not geometry is passed over.
+/// of any type in any order, polygons of any size, triangle strips. What is not read becomes a
+/// warning.
 #pragma once
 
+#include "core/math/polygon.h"
 #include "core/scene/mesh.h"
-#include "plugins/shapes/text_cursor.h"
-
-#include <array>
-#include <bit>
-#include <cstring>
-#include <optional>
+#include "plugins/shapes/ply_source.h"
+#include "plugins/shapes/vertex_join.h"
 
 namespace lucerna {
-
-enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
-struct PlyProperty {
-    std::string name;
-    PlyType type = PlyType::float32;
-    std::optional<PlyType> count_type;  ///< of a list
-};
-
-struct PlyElement {
-    std::string name;
-    std::uint64_t count = 0;
-    std::vector<PlyProperty> properties;
-};
-
-enum class PlyFormat : std::uint8_t { ascii, little_endian, big_endian };
-
-struct PlyHeader {
-    std::optional<PlyFormat> format;
-    std::vector<PlyElement> elements;
-};
-
-constexpr std::size_t size_of(PlyType type) {
-    constexpr std::array<std::size_t, 8> sizes = {1, 1, 2, 2, 4, 4, 4, 8};
-    return sizes[static_cast<std::size_t>(type)];
-}
-
-constexpr bool is_integer(PlyType type) { return type < PlyType::float32; }
-
-/// The numbers of a text file, one after the other.
-class PlyTextSource {
-public:
-    explicit PlyTextSource(TextCursor at) : at_(std::move(at)) {}
-
-    double next(PlyType type) {
-        at_.skip_space();
-        if (at_.at_end()) at_.fail("the file ends too early");
-        if (!is_integer(type)) return at_.number("a value");
-        const auto value = static_cast<double>(at_.integer("a value"));
-        if (!at_.at_blank()) at_.fail("a value of an integer type should be a whole number");
-        return value;
-    }
-    std::size_t remaining() const { return at_.remaining(); }
-    /// Bytes that each value takes at least, with a separator.
-    static std::size_t least_size(PlyType) { return 2; }
-    /// The last value needs no separator.
-    static constexpr std::size_t slack = 1;
-    [[noreturn]] void fail(std::string_view message) const { at_.fail(message); }
-
-private:
-    TextCursor at_;
-};
-
-/// The numbers of a binary file, one after the other.
-class PlyBinarySource {
-public:
-    PlyBinarySource(std::span<const std::uint8_t> bytes, std::string name, bool swap)
-        : bytes_(bytes), name_(std::move(name)), swap_(swap) {}
-
-    double next(PlyType type) {
-        switch (type) {
-            case PlyType::int8:
-                return take<std::int8_t>();
-            case PlyType::uint8:
-                return take<std::uint8_t>();
-            case PlyType::int16:
-                return take<std::int16_t>();
-            case PlyType::uint16:
-                return take<std::uint16_t>();
-            case PlyType::int32:
-                return take<std::int32_t>();
-            case PlyType::uint32:
-                return take<std::uint32_t>();
-            case PlyType::float32:
-                return static_cast<double>(take<float>());
-            case PlyType::float64:
-                break;
-        }
-        return take<double>();
-    }
-    std::size_t remaining() const { return bytes_.size(); }
-    static std::size_t least_size(PlyType type) { return size_of(type); }
-    static constexpr std::size_t slack = 0;
-    [[noreturn]] void fail(std::string_view message) const {
-        throw Error(fmt::format("{}: {}", name_, message));
-    }
-
-private:
-    template <typename T>
-    T take() {
-        if (bytes_.size() < sizeof(T)) fail("the file ends too early");
-        std::array<std::uint8_t, sizeof(T)> raw;
-        std::memcpy(raw.data(), bytes_.data(), sizeof(T));
-        bytes_ = bytes_.subspan(sizeof(T));
-        if (swap_) std::reverse(raw.begin(), raw.end());
-        return std::bit_cast<T>(raw);
-    }
-
-    std::span<const std::uint8_t> bytes_;
-    std::string name_;
-    bool swap_;
-};
-
-/// Reads the header; the cursor then stands behind it. Throws Error.
-PlyHeader read_ply_header(TextCursor& at);
-
-/// The mesh of a PLY file. Throws Error.
-MeshData read_ply(std::span<const std::uint8_t> file, std::string name,
-                  const Transform& world_from_file = {});
-
-// The rest is implementation.
-
-inline PlyType read_ply_type(TextCursor& at) {
-    static constexpr std::array<std::pair<std::string_view, PlyType>, 16> names = {{
-        {"char", PlyType::int8},
-        {"int8", PlyType::int8},
-        {"uchar", PlyType::uint8},
-        {"uint8", PlyType::uint8},
-        {"short", PlyType::int16},
-        {"int16", PlyType::int16},
-        {"ushort", PlyType::uint16},
-        {"uint16", PlyType::uint16},
-        {"int", PlyType::int32},
-        {"int32", PlyType::int32},
-        {"uint", PlyType::uint32},
-        {"uint32", PlyType::uint32},
-        {"float", PlyType::float32},
-        {"float32", PlyType::float32},
-        {"double", PlyType::float64},
-        {"float64", PlyType::float64},
-    }};
-    const std::string_view word = at.word();
-    for (const auto& [name, type] : names) {
-        if (name == word) return type;
-    }
-    at.fail(fmt::format("there is no type \"{}\" in PLY files", word.substr(0, 32)));
-}
-
-inline PlyFormat read_ply_format(TextCursor& at) {
-    const std::string_view word = at.word();
-    if (word == "ascii") return PlyFormat::ascii;
-    if (word == "binary_little_endian") return PlyFormat::little_endian;
-    if (word == "binary_big_endian") return PlyFormat::big_endian;
-    at.fail(
-        fmt::format("the format should be ascii, binary_little_endian or binary_big_endian, "
-                    "not \"{}\"",
-                    word.substr(0, 32)));
-}
-
-inline PlyProperty read_ply_property(TextCursor& at) {
-    PlyProperty property;
-    TextCursor ahead = at;
-    if (ahead.word() == "list") {
-        at = ahead;
-        property.count_type = read_ply_type(at);
-        if (!is_integer(*property.count_type)) at.fail("a list is counted by an integer type");
-    }
-    property.type = read_ply_type(at);
-    property.name = at.word();
-    if (property.name.empty()) at.fail("the property has no name");
-    return property;
-}
-
-inline PlyHeader read_ply_header(TextCursor& at) {
-    if (at.word() != "ply") at.fail("this is not a PLY file: it does not start with \"ply\"");
-    PlyHeader header;
-    while (true) {
-        at.next_line();
-        if (at.at_end()) at.fail("the header has no \"end_header\"");
-        const std::string_view word = at.word();
-        if (word == "end_header") break;
-        if (word == "format") {
-            header.format = read_ply_format(at);
-        } else if (word == "element") {
-            PlyElement element;
-            element.name = at.word();
-            const std::int64_t count = at.integer("the number of elements");
-            if (count < 0) at.fail("a number of elements cannot be negative");
-            element.count = static_cast<std::uint64_t>(count);
-            header.elements.push_back(std::move(element));
-        } else if (word == "property") {
-            if (header.elements.empty()) at.fail("a property stands before the first element");
-            header.elements.back().properties.push_back(read_ply_property(at));
-        } else if (word != "comment" && word != "obj_info") {
-            at.fail(fmt::format("\"{}\" is no part of a PLY header", word.substr(0, 32)));
-        }
-    }
-    at.next_line();
-    if (!header.format) at.fail("the header does not name the format");
-    return header;
-}
 
 /// Reads what follows the header.
 template <typename Source>
@@ -211,26 +18,35 @@ public:
     PlyBody(Source source, MeshData& mesh) : source_(std::move(source)), mesh_(mesh) {}
 
     void read(const PlyHeader& header) {
-        bool has_vertices = false, has_faces = false;
+        uvs_of_faces_ = std::any_of(header.elements.begin(), header.elements.end(), has_face_uvs);
         for (const PlyElement& element : header.elements) {
             require_room(element);
             if (element.name == "vertex") {
-                if (has_vertices) source_.fail("there is a second element \"vertex\"");
+                if (has_vertices_) source_.fail("there is a second element \"vertex\"");
                 read_vertices(element);
-                has_vertices = true;
-            } else if (element.name == "face") {
-                read_faces(element);
-                has_faces = true;
+            } else if (is_surface(element)) {
+                has_faces_ = true;
+                if (has_vertices_) {
+                    read_surface(element);
+                } else {
+                    postponed_.push_back({source_, &element});
+                    skip(element);
+                }
             } else {
+                if (element.count > 0) unread_.push_back("element " + shortened(element.name));
                 skip(element);
             }
         }
-        if (!has_vertices) source_.fail("there is no element \"vertex\"");
-        if (!has_faces) {
-            source_.fail(
-                "there is no element \"face\": point clouds and triangle strips cannot be "
-                "rendered");
+        if (!has_vertices_) source_.fail("there is no element \"vertex\"");
+        if (!has_faces_) {
+            source_.fail("there is no element \"face\": point clouds cannot be rendered");
         }
+        const bool has_more = source_.has_more();
+        for (const Postponed& p : postponed_) {
+            source_ = p.source;
+            read_surface(*p.element);
+        }
+        warn(has_more);
     }
 
 private:
@@ -278,7 +94,23 @@ private:
         return index < 6 ? index : 6 + index % 2;
     }
 
+    static bool is_corners(const PlyProperty& p) {
+        return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+    }
+    static bool is_face_uvs(const PlyProperty& p) { return p.count_type && p.name == "texcoord"; }
+    static bool has_face_uvs(const PlyElement& element) {
+        return element.name == "face" &&
+               std::any_of(element.properties.begin(), element.properties.end(), is_face_uvs);
+    }
+    static bool is_surface(const PlyElement& element) {
+        return element.name == "face" || element.name == "tristrips";
+    }
+    void read_surface(const PlyElement& element) {
+        element.name == "face" ? read_faces(element) : read_strips(element);
+    }
+
     void read_vertices(const PlyElement& element) {
+        has_vertices_ = true;
         std::vector<int> slots;
         std::array<bool, 8> present{};
         for (const PlyProperty& property : element.properties) {
@@ -289,10 +121,16 @@ private:
             source_.fail("element \"vertex\" needs the properties x, y and z");
         }
         const bool normals = present[3] && present[4] && present[5];
-        const bool uvs = present[6] && present[7];
-        mesh_.reserve(element.count, 0);
-        if (normals) mesh_.normals.reserve(element.count);
-        if (uvs) mesh_.uvs.reserve(element.count);
+        const bool uvs = present[6] && present[7] && !uvs_of_faces_;
+        note_unread(element, [&](std::size_t k) {
+            const int slot = slots[k];
+            return slot >= 0 && (slot < 3 || (slot < 6 ? normals : uvs));
+        });
+        MeshData& to = uvs_of_faces_ ? source_mesh_ : mesh_;
+        to.world_from_file = mesh_.world_from_file;
+        to.reserve(element.count, 0);
+        if (normals) to.normals.reserve(element.count);
+        if (uvs) to.uvs.reserve(element.count);
         std::array<double, 8> values{};
         for (std::uint64_t i = 0; i < element.count; ++i) {
             for (std::size_t k = 0; k < slots.size(); ++k) {
@@ -303,24 +141,109 @@ private:
                         source_.next(element.properties[k].type);
                 }
             }
-            mesh_.add_position({values[0], values[1], values[2]});
-            if (normals) mesh_.add_normal({values[3], values[4], values[5]});
-            if (uvs) mesh_.uvs.emplace_back(Vector2d(values[6], values[7]));
+            to.add_position({values[0], values[1], values[2]});
+            if (normals) to.add_normal({values[3], values[4], values[5]});
+            if (uvs) to.uvs.emplace_back(Vector2d(values[6], values[7]));
+            if (uvs_of_faces_) vertices_.add_position();
         }
+        vertex_count_ = element.count;
     }
 
     void read_faces(const PlyElement& element) {
-        const auto is_corners = [](const PlyProperty& p) {
-            return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
-        };
         if (std::none_of(element.properties.begin(), element.properties.end(), is_corners)) {
             source_.fail("element \"face\" needs the list vertex_indices or vertex_index");
         }
+        note_unread(element, [&](std::size_t k) {
+            return is_corners(element.properties[k]) || is_face_uvs(element.properties[k]);
+        });
         mesh_.indices.reserve(3 * element.count);
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            face_uvs_.clear();
+            for (const PlyProperty& property : element.properties) {
+                if (is_corners(property)) {
+                    read_corners(property, i);
+                } else if (is_face_uvs(property)) {
+                    read_list(property, face_uvs_);
+                } else {
+                    skip(property);
+                }
+            }
+            add_face(i);
+        }
+    }
+
+    void read_list(const PlyProperty& property, std::vector<double>& values) {
+        values.clear();
+        const std::size_t size = read_list_size(property);
+        for (std::size_t i = 0; i < size; ++i) values.push_back(source_.next(property.type));
+    }
+
+    void read_corners(const PlyProperty& property, std::uint64_t face) {
+        const std::size_t size = read_list_size(property);
+        if (size < 3) {
+            source_.fail(fmt::format("face {} has {} corners; it needs 3 or more", face, size));
+        }
+        polygon_.clear();
+        for (std::size_t i = 0; i < size; ++i) {
+            polygon_.push_back(checked_index(source_.next(property.type), "face", face));
+        }
+    }
+
+    std::uint32_t checked_index(double index, std::string_view what, std::uint64_t number) const {
+        if (!(index >= 0 && index == std::floor(index))) {
+            source_.fail(fmt::format("{} {} uses vertex {:g}", what, number, index));
+        }
+        if (index >= static_cast<double>(vertex_count_)) {
+            source_.fail(fmt::format("{} {} uses vertex {}, but there are only {}, counted from 0",
+                                     what, number, index, vertex_count_));
+        }
+        return static_cast<std::uint32_t>(index);
+    }
+
+    void add_face(std::uint64_t face) {
+        if (!face_uvs_.empty() && face_uvs_.size() != 2 * polygon_.size()) {
+            source_.fail(
+                fmt::format("face {} has {} corners and {} numbers in the list "
+                            "\"texcoord\"; it needs two for each corner",
+                            face, polygon_.size(), face_uvs_.size()));
+        }
+        for (std::size_t i = 0; uvs_of_faces_ && i < polygon_.size(); ++i) {
+            const bool has_uvs = !face_uvs_.empty();
+            polygon_[i] = join(
+                polygon_[i],
+                has_uvs ? Vector2(Vector2d(face_uvs_[2 * i], face_uvs_[2 * i + 1])) : Vector2(0));
+        }
+        if (!mesh_.add_polygon(polygon_)) {
+            source_.fail(
+                fmt::format("face {} is not convex and has {} corners, more than {}; cut it", face,
+                            polygon_.size(), max_concave_corners));
+        }
+    }
+
+    /// A vertex of the file with texture coordinates of a face.
+    std::uint32_t join(std::uint32_t index, Vector2 uv) {
+        const auto [vertex, is_new] = vertices_.find(index, uv);
+        if (is_new) {
+            mesh_.positions.push_back(source_mesh_.positions[index]);
+            if (!source_mesh_.normals.empty()) {
+                mesh_.normals.push_back(source_mesh_.normals[index]);
+            }
+            mesh_.uvs.push_back(uv);
+        }
+        return vertex;
+    }
+
+    /// Lists of vertices, each of which makes a triangle with the two before; −1 begins anew. Every
+    /// other triangle is wound the other way.
+    void read_strips(const PlyElement& element) {
+        if (std::none_of(element.properties.begin(), element.properties.end(), is_corners)) {
+            source_.fail("element \"tristrips\" needs the list vertex_indices or vertex_index");
+        }
+        note_unread(element, [&](std::size_t k) { return is_corners(element.properties[k]); });
         for (std::uint64_t i = 0; i < element.count; ++i) {
             for (const PlyProperty& property : element.properties) {
                 if (is_corners(property)) {
-                    read_polygon(property, i);
+                    read_strip(property, i);
                 } else {
                     skip(property);
                 }
@@ -328,29 +251,82 @@ private:
         }
     }
 
-    void read_polygon(const PlyProperty& property, std::uint64_t face) {
+    void read_strip(const PlyProperty& property, std::uint64_t strip) {
         const std::size_t size = read_list_size(property);
-        if (size < 3) {
-            source_.fail(fmt::format("face {} has {} corners; it needs 3 or more", face, size));
-        }
-        polygon_.clear();
+        std::vector<std::uint32_t> last;
+        bool turned = false;
         for (std::size_t i = 0; i < size; ++i) {
             const double index = source_.next(property.type);
-            if (!(index >= 0 && index <= 0xfffffffe && index == std::floor(index))) {
-                source_.fail(fmt::format("face {} uses vertex {:g}", face, index));
+            if (index == -1) {
+                last.clear();
+                turned = false;
+                continue;
             }
-            polygon_.push_back(static_cast<std::uint32_t>(index));
+            const std::uint32_t vertex = checked_index(index, "strip", strip);
+            last.push_back(uvs_of_faces_ ? join(vertex, Vector2(0)) : vertex);
+            if (last.size() < 3) continue;
+            // Strips are sewn together with triangles that have a vertex twice.
+            if (last[0] != last[1] && last[1] != last[2] && last[2] != last[0]) {
+                mesh_.indices.insert(mesh_.indices.end(),
+                                     {last[turned ? 1 : 0], last[turned ? 0 : 1], last[2]});
+            }
+            last.erase(last.begin());
+            turned = !turned;
         }
-        mesh_.add_polygon(polygon_);
     }
+
+    static std::string shortened(const std::string& name) { return name.substr(0, 32); }
+
+    /// Remembers the properties that are not `read`, a function of their index.
+    template <typename Read>
+    void note_unread(const PlyElement& element, const Read& read) {
+        std::string names;
+        for (std::size_t k = 0; element.count > 0 && k < element.properties.size(); ++k) {
+            if (read(k)) continue;
+            names += (names.empty() ? "" : ", ") + shortened(element.properties[k].name);
+        }
+        if (!names.empty()) unread_.push_back(names + " of " + element.name);
+    }
+
+    void warn(bool has_more) {
+        if (!unread_.empty()) {
+            std::string text = fmt::format("{}: not read: {}", mesh_.name, join_words(unread_));
+            mesh_.warnings.push_back(std::move(text));
+        }
+        if (has_more) {
+            mesh_.warnings.push_back(
+                fmt::format("{}: more follows the last element; is its header right?", mesh_.name));
+        }
+    }
+
+    static std::string join_words(const std::vector<std::string>& words) {
+        constexpr std::size_t most = 400;
+        std::string text = lucerna::join(words, "; ");
+        if (text.size() > most) text = text.substr(0, most) + "...";
+        return text;
+    }
+
+    struct Postponed {
+        Source source;
+        const PlyElement* element;
+    };
 
     Source source_;
     MeshData& mesh_;
+    MeshData source_mesh_;  ///< the vertices, if texture coordinates belong to faces
+    VertexJoin<Vector2> vertices_;
+    std::vector<Postponed> postponed_;  ///< faces that stand before their vertices
     std::vector<std::uint32_t> polygon_;
+    std::vector<double> face_uvs_;
+    std::vector<std::string> unread_;
+    std::uint64_t vertex_count_ = 0;
+    bool has_vertices_ = false, has_faces_ = false, uvs_of_faces_ = false;
 };
 
+/// The mesh of a PLY file. Throws Error.
+
 inline MeshData read_ply(std::span<const std::uint8_t> file, std::string name,
-                         const Transform& world_from_file) {
+                         const Transform& world_from_file = {}) {
     MeshData mesh;
     mesh.name = name;
     mesh.world_from_file = world_from_file;

@@ -23,7 +23,7 @@ public:
         MeshData data = read_serialized(read_file_bytes(path), path.filename().string(),
                                         static_cast<std::uint32_t>(index), world_from_object());
         data.flip_v();  // it counts downwards in these files
-        assign(std::move(data));
+        assign(params, std::move(data));
     }
 };
 

@@ -166,6 +166,10 @@ private:
                 stream, flags & has_uvs ? vertices : 0,
                 [&](const auto& uv) { mesh_.uvs.emplace_back(Vector2d(uv[0], uv[1])); });
             read_array<Triple>(stream, flags & has_colors ? vertices : 0, [](const Triple&) {});
+            if (flags & has_colors) {
+                mesh_.warnings.push_back(
+                    fmt::format("{}: vertex colours are not read", mesh_.name));
+            }
         };
         is_double ? read_all(double()) : read_all(float());
         read_array<std::uint32_t>(stream, 3 * triangles,

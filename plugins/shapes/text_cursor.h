@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Walks through a text file in memory, and knows its line when something is wrong.
+/// Walks through a text file in memory, and knows its line when something is wrong. Lines end with
+/// a line feed, a carriage return, or both.
 #pragma once
 
 #include "core/plugin/error.h"
@@ -25,31 +26,45 @@ public:
           line_(line) {}
 
     bool at_end() const { return at_ == end_; }
+    bool at_line_end() const { return at_ == end_ || *at_ == '\n' || *at_ == '\r'; }
     /// The next byte, or a line feed at the end of the file.
     char peek() const { return at_ == end_ ? '\n' : *at_; }
     std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
 
-    /// Spaces and tabs; carriage returns and a backslash at the end of a line, too.
+    /// Spaces and tabs, and a backslash at the end of a line, which the next one continues.
     void skip_blanks() {
         for (; at_ != end_; ++at_) {
             if (is_blank(*at_)) continue;
             if (!continues_line()) return;
-            at_ += at_[1] == '\r' ? 2 : 1;
+            at_ += at_[1] == '\r' && end_ - at_ > 2 && at_[2] == '\n' ? 2 : 1;
             ++line_;
         }
     }
     /// Blanks and line ends.
     void skip_space() {
-        for (skip_blanks(); at_ != end_ && *at_ == '\n'; skip_blanks()) next_line();
+        for (skip_blanks(); at_ != end_ && at_line_end(); skip_blanks()) next_line();
     }
-    /// To the start of the next line.
-    void next_line() {
-        while (at_ != end_ && *at_ != '\n') ++at_;
-        if (at_ == end_) return;
-        ++at_;
+    /// To the start of the next line. Returns what ended this one, which is empty at the end of the
+    /// file.
+    std::string_view next_line() {
+        while (!at_line_end()) ++at_;
+        const char* start = at_;
+        if (at_ == end_) return {};
+        at_ += *at_ == '\r' && end_ - at_ > 1 && at_[1] == '\n' ? 2 : 1;
         ++line_;
+        return {start, static_cast<std::size_t>(at_ - start)};
     }
-    bool at_blank() const { return at_ == end_ || is_blank(*at_) || *at_ == '\n'; }
+    /// The same in a file whose lines all have this end, so that what follows may be binary.
+    void next_line(std::string_view line_end) {
+        while (!at_line_end()) ++at_;
+        if (std::string_view(at_, remaining()).starts_with(line_end)) {
+            at_ += line_end.size();
+            ++line_;
+        } else {
+            next_line();
+        }
+    }
+    bool at_blank() const { return at_line_end() || is_blank(*at_) || continues_line(); }
     bool accept(char c) {
         if (at_ == end_ || *at_ != c) return false;
         ++at_;
@@ -84,18 +99,18 @@ public:
         return value;
     }
 
-    /// Throws Error with file and line.
-    [[noreturn]] void fail(std::string_view message) const {
-        throw Error(fmt::format("{}:{}: {}", name_, line_, message));
+    /// "a.obj:3: message"
+    std::string at_this_line(std::string_view message) const {
+        return fmt::format("{}:{}: {}", name_, line_, message);
     }
+    /// Throws Error with file and line.
+    [[noreturn]] void fail(std::string_view message) const { throw Error(at_this_line(message)); }
 
 private:
-    static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+    static bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
     bool continues_line() const {
-        if (*at_ != '\\') return false;
-        return (end_ - at_ >= 2 && at_[1] == '\n') ||
-               (end_ - at_ >= 3 && at_[1] == '\r' && at_[2] == '\n');
+        return *at_ == '\\' && end_ - at_ >= 2 && (at_[1] == '\n' || at_[1] == '\r');
     }
 
     template <typename T>

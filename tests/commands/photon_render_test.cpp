@@ -39,6 +39,19 @@ TEST_P(PhotonRenderTest, N10_ResumingDoesNotChangeTheImage) {
     }
 }
 
+TEST_P(PhotonRenderTest, H9_crop_is_cut_out_of_the_whole_image) {
+    render(with({"-q", "-o", "whole", "--resolution", "40x30", "--spp", "4"}));
+    render(with({"-q", "-o", "part", "--resolution", "40x30", "--spp", "4", "--crop", "5,7,11,9"}));
+    for (const char* channel : {"R", "G", "B"}) {
+        const std::vector<float> whole = plane("whole.exr", channel);
+        const std::vector<float> part = plane("part.exr", channel);
+        ASSERT_EQ(part.size(), 99u);
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            EXPECT_EQ(part[i], whole[(7 + i / 11) * 40 + 5 + i % 11]) << channel << ' ' << i;
+        }
+    }
+}
+
 TEST_P(PhotonRenderTest, N1_N10_ASignalInTheMiddleLeavesWhatCanBeResumed) {
     const std::unique_ptr<Process> process = start_endless(with({}));
     process->kill(SIGINT);
@@ -122,6 +135,22 @@ TEST_P(PhotonRenderTest, C15_TexelsThatAreNotFiniteAreDarkAndTold) {
     render(with({"-q", "-o", "told"}));
     expect_error("light.exr: 2 pixels are not finite");
     EXPECT_TRUE(plane("told.exr") == plane("dark.exr"));
+}
+
+using PhotonMapRender = RenderCommandTest;
+
+TEST_F(PhotonMapRender, WarningsTellWhichPhotonsAreMissing) {
+    // A floor alone: all photons meet it, but none a second surface.
+    write("scene.xml", R"(<scene version="3.0.0"><integrator type="photonmap"/>
+<sensor type="perspective"><transform name="to_world">
+    <lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film>
+</sensor>
+<shape type="rectangle"/>
+<emitter type="point"><point name="position" value="0, 0, 1"/><float name="intensity" value="1"/>
+</emitter></scene>)");
+    render({"-q", "--spp", "1"});
+    expect_error("photons none met a diffuse surface after another\n");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PhotonRenderTest, testing::Values("photonmap", "sppm", "ptracer"),

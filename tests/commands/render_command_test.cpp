@@ -60,6 +60,19 @@ TEST_F(RenderCommandTest, quiet_prints_nothing) {
     EXPECT_EQ(errors, "");
 }
 
+TEST_F(RenderCommandTest, a_scene_without_light_is_told_once_it_is_black) {
+    std::string scene = small_scene;
+    for (std::size_t at; (at = scene.find("<emitter")) != std::string::npos;) {
+        const std::string_view end = "</emitter>";
+        scene.erase(at, scene.find(end, at) + end.size() - at);
+    }
+    write("scene.xml", scene);
+    render({"-q", "--spp", "1"});
+    EXPECT_EQ(errors, "warning: the picture is black: the scene has no light; add an <emitter>\n");
+    render({"-q", "--spp", "1", "--set", "integrator=depth"});
+    EXPECT_EQ(errors, "");
+}
+
 TEST_F(RenderCommandTest, H9_crop_is_cut_out_of_the_whole_image) {
     render({"-q", "-o", "whole"});
     render({"-q", "-o", "part", "--crop", "5,7,10,8"});

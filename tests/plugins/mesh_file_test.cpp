@@ -40,6 +40,12 @@ using Indices = std::vector<std::uint32_t>;
 
 // OBJ.
 
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+}
+
 const char* const square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 TEST(Obj, polygons_become_fans_and_vertices_are_joined) {
@@ -70,6 +76,76 @@ TEST(Obj, everything_that_files_in_the_wild_contain_is_read) {
     EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
     EXPECT_EQ(mesh.uvs, (std::vector<Vector2>{{0.5f, 0}, {0, 0}, {0, 0}}));
     EXPECT_EQ(mesh.normals[0], Vector3(0));
+}
+
+using Warnings = std::vector<std::string>;
+
+TEST(Obj, concave_faces_are_cut_inside_of_their_outline) {
+    // An L of area 3 whose first corner does not see all of it.
+    const MeshData mesh =
+        obj("v 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\n"
+            "f 1 2 3 4 5 6\n");
+    EXPECT_EQ(mesh.indices.size(), 12u);
+    double area = 0;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+        const Vector3 a = mesh.positions[mesh.indices[i]];
+        const Vector3 n = glm::cross(mesh.positions[mesh.indices[i + 1]] - a,
+                                     mesh.positions[mesh.indices[i + 2]] - a);
+        EXPECT_GE(n.z, 0);
+        area += 0.5 * static_cast<double>(n.z);
+    }
+    EXPECT_EQ(area, 3);
+    EXPECT_EQ(mesh.crossing_polygons, 0u);
+    EXPECT_EQ(obj(std::string(square) + "f 1 3 2 4\n").crossing_polygons, 1u);
+}
+
+TEST(Obj, all_line_ends_and_continued_lines_are_read) {
+    const std::vector<std::string> lines = {"# a quad",  "v 0 0 0", "v 1 0 \\", "0",
+                                            "v 1 1 0",   "v 0 1 0", "g a \\",   "b",
+                                            "f 1 2 3\\", " 4",      "f 1 2 \\", "3"};
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        std::string text;
+        for (const std::string& line : lines) text += line + end;
+        const MeshData mesh = obj(text);
+        EXPECT_EQ(mesh.positions.size(), 4u);
+        EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 2, 3, 0, 1, 2}));
+        EXPECT_EQ(mesh.warnings, Warnings());
+        EXPECT_EQ(error_of([&] { obj(text + "f 9 1 2" + end); }),
+                  "a.obj:13: the face uses vertex 9, but 4 are defined so far");
+    }
+    // Whatever mixes them.
+    EXPECT_EQ(obj("v 0 0 0\rv 1 0 0\r\nv 0 1 0\n\rf 1 2 3").indices, (Indices{0, 1, 2}));
+}
+
+TEST(Obj, all_objects_and_groups_are_one_mesh) {
+    const MeshData mesh =
+        obj("o first\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+            "o second\ng a b\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf -3 -2 -1\nfo 4 5 3\n");
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 3, 4, 5, 3, 4, 2}));
+    EXPECT_EQ(mesh.warnings, Warnings());
+}
+
+TEST(Obj, what_is_not_read_is_told) {
+    const std::string triangle = "f 1 2 3\n";
+    EXPECT_EQ(obj(square + triangle + "l 1 2\ncurv 0 1 1 2\nl 2 3\n").warnings,
+              (Warnings{"a.obj:6: statements \"curv\", \"l\" are not read: only faces are"}));
+    EXPECT_EQ(obj("v 0 0 0 1 0 0\n" + (square + triangle)).warnings,
+              (Warnings{"a.obj: vertex colours are not read"}));
+    EXPECT_EQ(obj("v 0 0 0 1\n" + (square + triangle)).warnings, Warnings());
+    // One material is what the shape's BSDF replaces, with or without a library that describes it.
+    EXPECT_EQ(obj(square + ("usemtl red\n" + triangle + triangle)).warnings, Warnings());
+    EXPECT_EQ(obj(square + ("usemtl red\n" + triangle + "usemtl blue\n" + triangle)).warnings,
+              (Warnings{"a.obj: its faces are of several materials, which are not read: the "
+                        "shape's BSDF holds for all; \"lucerna import\" makes a scene of the "
+                        "file"}));
+}
+
+TEST(Obj, a_position_with_very_many_texture_coordinates_is_read_quickly) {
+    // A search among all corners of the position would take minutes.
+    std::string text = square;
+    constexpr int count = 150000;
+    for (int i = 0; i < count; ++i) text += fmt::format("vt {} 0\nf 1/{} 2/1 3/1\n", i, i + 1);
+    EXPECT_EQ(obj(text).indices.size(), std::size_t{3} * count);
 }
 
 TEST(Obj, L1_wrong_files_are_refused_with_the_line) {
@@ -125,7 +201,7 @@ Bytes binary_ply(bool big_endian) {
                           "property float y\nproperty float t\nproperty float s\n"
                           "property float nx\nproperty float ny\nproperty float nz\n"
                           "element edge 1\nproperty int a\n"
-                          "element face 2\nproperty list int float texcoord\n"
+                          "element face 2\nproperty list int float weights\n"
                           "property list uint ushort vertex_index\nproperty float64 q\n"
                           "end_header\n");
     const Vector2 corners[] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -171,6 +247,123 @@ TEST(Ply, L6_both_byte_orders_and_all_types_are_read) {
     }
 }
 
+TEST(Ply, L6_big_endian_doubles_are_read) {
+    Bytes file = bytes_of(
+        "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty double x\n"
+        "property double y\nproperty double z\nproperty double u\nproperty double v\n"
+        "element face 1\nproperty list uint uint vertex_indices\nend_header\n");
+    for (const double x :
+         {0.0, 0.0, 0.1, 0.0, 0.0, 1.5, 0.0, 0.1, 1.0, 0.25, -2.0, 1e7, 0.1, 0.5, 1.0}) {
+        append(file, x, true);
+    }
+    for (const std::uint32_t i : {3u, 0u, 1u, 2u}) append(file, i, true);
+    const MeshData mesh = ply(file);
+    EXPECT_EQ(mesh.positions,
+              (std::vector<Vector3>{{0, 0, 0.1f}, {1.5f, 0, 0.1f}, {-2, 1e7f, 0.1f}}));
+    EXPECT_EQ(mesh.uvs, (std::vector<Vector2>{{0, 0}, {1, 0.25f}, {0.5f, 1}}));
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
+    EXPECT_EQ(mesh.warnings, Warnings());
+}
+
+TEST(Ply, all_line_ends_are_read_also_before_binary_data) {
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        std::string header = std::string("ply\nformat binary_little_endian 1.0\n") + ply_square;
+        std::string text = ascii_ply;
+        for (std::string* s : {&header, &text}) {
+            for (std::size_t at = 0; (at = s->find('\n', at)) != std::string::npos;
+                 at += end.size()) {
+                s->replace(at, 1, end);
+            }
+        }
+        EXPECT_EQ(ply(text).indices, (Indices{0, 1, 2, 0, 2, 3}));
+        Bytes file = bytes_of(header);
+        // The first byte of the data is a line feed.
+        const float ten = std::bit_cast<float>(0x4120000au);
+        for (const float x : {ten, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f}) {
+            append(file, x);
+        }
+        append<std::uint8_t>(file, 3);
+        for (const std::int32_t i : {0, 2, 3}) append(file, i);
+        EXPECT_EQ(ply(file).positions[0], Vector3(ten, 0, 0));
+        EXPECT_EQ(ply(file).indices, (Indices{0, 2, 3}));
+    }
+}
+
+TEST(Ply, concave_faces_may_stand_before_their_vertices) {
+    const MeshData mesh =
+        ply("ply\nformat ascii 1.0\nelement face 2\nproperty list uchar int vertex_indices\n"
+            "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+            "4 0 1 2 3\n3 0 1 2\n0 0 0\n2 2 0\n4 0 0\n2 6 0\n");
+    // An arrow: the fan around its first corner would turn a triangle over.
+    EXPECT_EQ(mesh.indices.size(), 9u);
+    EXPECT_EQ(Indices(mesh.indices.end() - 3, mesh.indices.end()), (Indices{0, 1, 2}));
+    for (std::size_t i = 0; i < 6; i += 3) {
+        const Vector3 a = mesh.positions[mesh.indices[i]];
+        EXPECT_EQ(glm::cross(mesh.positions[mesh.indices[i + 1]] - a,
+                             mesh.positions[mesh.indices[i + 2]] - a),
+                  Vector3(0, 0, 8));
+    }
+}
+
+const char* const textured_faces =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face 3\n"
+    "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+    "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n"
+    "3 0 1 2 6 0 0 0.5 0 0.5 1\n3 0 2 3 6 0 0 1 1 0 1\n3 1 2 3 0\n";
+
+TEST(Ply, texture_coordinates_of_faces_are_read) {
+    const MeshData mesh = ply(textured_faces);
+    // Vertex 0 has one pair of coordinates, vertex 2 has two; where a face has none, it is (0, 0).
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 3, 4, 5, 6, 7}));
+    EXPECT_EQ(mesh.uvs, (std::vector<Vector2>{
+                            {0, 0}, {0.5f, 0}, {0.5f, 1}, {1, 1}, {0, 1}, {0, 0}, {0, 0}, {0, 0}}));
+    EXPECT_EQ(mesh.positions[3], Vector3(1, 1, 0));
+    EXPECT_EQ(mesh.normals, std::vector<Vector3>(8, Vector3(0, 0, 1)));
+    EXPECT_EQ(mesh.warnings, Warnings());
+}
+
+TEST(Ply, L2_texture_coordinates_of_faces_fit_their_corners) {
+    EXPECT_EQ(error_of([] { ply(replaced(textured_faces, "6 0 0 1 1 0 1", "5 0 0 1 1 0")); }),
+              "a.ply:19: face 1 has 3 corners and 5 numbers in the list \"texcoord\"; it needs two "
+              "for each corner");
+}
+
+TEST(Ply, triangle_strips_are_read) {
+    const std::string file = replaced(replaced(ascii_ply, "element face", "element tristrips"),
+                                      "4 0 1 2 3", "10 0 1 2 3 -1 3 2 1 1 0");
+    // Every other triangle is turned; a new strip begins as the first; two triangles of the second
+    // strip have a vertex twice.
+    EXPECT_EQ(ply(file).indices, (Indices{0, 1, 2, 2, 1, 3, 3, 2, 1}));
+    EXPECT_EQ(error_of([&] { ply(replaced(file, "-1 3", "-1 4")); }),
+              "a.ply:14: strip 0 uses vertex 4, but there are only 4, counted from 0");
+    EXPECT_EQ(error_of([&] { ply(replaced(file, "-1 3", "-2 3")); }),
+              "a.ply:14: strip 0 uses vertex -2");
+}
+
+TEST(Ply, what_is_not_read_is_told) {
+    EXPECT_EQ(
+        ply(binary_ply(false)).warnings,
+        (Warnings{"a.ply: not read: red, extra of vertex; element edge; weights, q of face"}));
+    const std::string half =
+        replaced(ascii_ply, "property float z\n", "property float z\nproperty float u\n");
+    const std::string half_uvs =
+        replaced(half, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n", "0 0 0 5\n1 0 0 5\n1 1 0 5\n0 1 0 5\n");
+    EXPECT_EQ(ply(half_uvs).warnings, (Warnings{"a.ply: not read: u of vertex"}));
+    EXPECT_TRUE(ply(half_uvs).uvs.empty());
+    const Warnings more = {"a.ply: more follows the last element; is its header right?"};
+    EXPECT_EQ(ply(ascii_ply + "\n \n").warnings, Warnings());
+    EXPECT_EQ(ply(ascii_ply + "3 0 1 2\n").warnings, more);
+    Bytes file = bytes_of(std::string("ply\nformat binary_little_endian 1.0\n") + ply_square);
+    for (int i = 0; i < 12; ++i) append(file, static_cast<float>(i));
+    append<std::uint8_t>(file, 3);
+    for (const std::int32_t i : {0, 2, 3}) append(file, i);
+    append<std::uint8_t>(file, '\n');
+    EXPECT_EQ(ply(file).warnings, Warnings());
+    append<std::uint8_t>(file, 3);
+    EXPECT_EQ(ply(file).warnings, more);
+}
+
 TEST(Ply, L4_truncated_at_every_length_is_refused) {
     const Bytes whole = binary_ply(false);
     for (std::size_t length = 0; length < whole.size(); ++length) {
@@ -182,12 +375,6 @@ TEST(Ply, L4_truncated_at_every_length_is_refused) {
     for (std::size_t length = 0; length < last; ++length) {
         EXPECT_NE(error_of([&] { ply(ascii_ply.substr(0, length)); }), "") << length;
     }
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return text.replace(at, from.size(), to);
 }
 
 TEST(Ply, L2_L3_wrong_headers_are_refused_before_anything_is_allocated) {
@@ -214,8 +401,7 @@ TEST(Ply, L2_L3_wrong_headers_are_refused_before_anything_is_allocated) {
         {"vertex_indices", "corners",
          "a.ply:13: element \"face\" needs the list vertex_indices or vertex_index"},
         {"element face 1\nproperty list uchar int vertex_indices\n", "",
-         "a.ply:11: there is no element \"face\": point clouds and triangle strips cannot be "
-         "rendered"},
+         "a.ply:11: there is no element \"face\": point clouds cannot be rendered"},
         {"element face 1",
          "element vertex 1\nproperty int x\nproperty int y\nproperty int z\nelement face 1",
          "a.ply:17: there is a second element \"vertex\""},
@@ -319,6 +505,8 @@ TEST(Serialized, meshes_of_both_versions_and_precisions_are_read) {
             EXPECT_EQ(mesh.normals.size(), i == 1 ? 3u : 0u);
             EXPECT_EQ(mesh.uvs.size(), i == 0 ? 0u : 3u);
             EXPECT_EQ(mesh.face_normals, i == 2);
+            const Warnings colors = {"a.serialized: vertex colours are not read"};
+            EXPECT_EQ(mesh.warnings, i == 1 ? colors : Warnings());
             EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
         }
         EXPECT_EQ(error_of([&] { serialized(file, 3); }),
@@ -421,7 +609,7 @@ TEST_F(MeshShapes, A14_vertices_that_are_no_numbers_are_refused) {
 
 TEST_F(MeshShapes, A15_indices_beyond_the_vertices_are_refused) {
     EXPECT_EQ(refusal(shape("a.ply", replaced(ascii_ply, "4 0 1 2 3", "4 0 1 2 4"))),
-              "a.ply: triangle 1 uses vertex 4, but there are only 4, counted from 0");
+              "a.ply:14: face 0 uses vertex 4, but there are only 4, counted from 0");
 }
 
 TEST_F(MeshShapes, A10_triangles_without_area_are_never_hit) {
@@ -445,6 +633,9 @@ TEST_F(MeshShapes, L7_a_mesh_without_triangles_loads) {
         const World world(xml);
         EXPECT_EQ(world.shape().primitive_count(), 0u);
         EXPECT_FALSE(look_down(world, 0.3f, 0.3f));
+        ASSERT_EQ(world.diagnostics().all().size(), 1u);
+        const std::string& message = world.diagnostics().all()[0].message;
+        EXPECT_TRUE(message.ends_with(": there are no faces: nothing of it is seen")) << message;
     }
 }
 
@@ -502,8 +693,39 @@ TEST_F(MeshShapes, B9_a_mesh_far_from_the_origin_keeps_its_shape) {
     EXPECT_EQ(world.shape().bounds().max, Vector3(1, 1, 0));
 }
 
+TEST_F(MeshShapes, concave_faces_are_hit_inside_and_missed_outside) {
+    const std::string l = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n";
+    for (int first = 0; first < 6; ++first) {
+        std::string face = "f";
+        for (int i = 0; i < 6; ++i) face += fmt::format(" {}", (first + i) % 6 + 1);
+        const World world(shape("a.obj", l + face));
+        for (const float x : {0.01f, 0.5f, 0.99f, 1.01f, 1.5f, 1.99f}) {
+            for (const float y : {0.02f, 0.49f, 0.98f, 1.02f, 1.51f, 1.98f}) {
+                EXPECT_EQ(look_down(world, x, y).has_value(), x < 1 || y < 1) << x << ' ' << y;
+            }
+        }
+    }
+}
+
+TEST_F(MeshShapes, texture_coordinates_of_ply_faces_reach_the_hit) {
+    const World world(shape("a.ply", textured_faces, flag("flip_tex_coords", true)));
+    EXPECT_NEAR(look_down(world, 0.2f, 0.7f)->uv.x, 0.2, 1e-6);
+    EXPECT_NEAR(look_down(world, 0.2f, 0.7f)->uv.y, 0.7, 1e-6);
+}
+
+TEST_F(MeshShapes, warnings_of_files_are_those_of_the_scene) {
+    const World world(shape("a.obj", std::string(square) + "l 1 2\nf 1 3 2 4\n"));
+    ASSERT_EQ(world.diagnostics().all().size(), 2u);
+    EXPECT_EQ(world.diagnostics().all()[0].message,
+              "a.obj:5: statements \"l\" are not read: only faces are");
+    EXPECT_EQ(world.diagnostics().all()[1].message,
+              "a.obj: 1 of its faces cross themselves, or are bent so much that they seem to: what "
+              "is inside of them is not defined; cut them into triangles");
+}
+
 TEST_F(MeshShapes, parameters_without_effect_are_reported) {
-    const World world(shape("a.obj", square, "<float name='max_smooth_angle' value='40'/>"));
+    const World world(shape("a.obj", square + std::string("f 1 2 3\n"),
+                            "<float name='max_smooth_angle' value='40'/>"));
     ASSERT_EQ(world.diagnostics().all().size(), 1u);
     EXPECT_EQ(world.diagnostics().all()[0].message,
               "\"max_smooth_angle\" has no effect: normals are smoothed over all edges whose faces "

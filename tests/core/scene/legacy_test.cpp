@@ -42,6 +42,41 @@ TEST(Legacy, ParametersAreRenamed) {
     EXPECT_TRUE(find_property(child(4), "to_world"));
 }
 
+TEST(Legacy, ColoursMeanWhatTheyMeantThen) {
+    const Description d = read_legacy(R"(<emitter type="Constant">
+        <spectrum name="a" value="0.796875, 0.5, 0.0"/>
+        <rgb name="b" value="1 0.5 0.2" intent="illuminant"/>
+        <spectrum name="c" value="0.5" intent="reflectance"/>
+        <rgb name="d" value="#ff3300"/>
+        <srgb name="e" value="#808080"/>
+        <blackbody name="f" temperature="5000k"/>
+        <blackbody name="g" temperature="5000 K"/></emitter>)");
+    const Element& emitter = *d.root->children[0].element;
+    EXPECT_EQ(emitter.type, "constant");
+    const auto color = [&](const char* name) { return value_of<Rgb>(emitter, name).value; };
+    EXPECT_EQ(color("a"), ColorD(0.796875, 0.5, 0));
+    EXPECT_EQ(color("b"), ColorD(1, 0.5, 0.2));
+    EXPECT_EQ(color("c"), ColorD(0.5));
+    EXPECT_EQ(color("d"), ColorD(1, 0.2, 0));
+    EXPECT_NEAR(color("e").x, 0.21586050, 1e-8);
+    EXPECT_EQ(color("f"), color("g"));
+}
+
+TEST(Legacy, ColoursOfNewScenesAreThoseOfToday) {
+    EXPECT_EQ(errors_of(R"(<scene version="3.0.0"><bsdf type="diffuse">
+<spectrum name="a" value="0.1, 0.2, 0.3"/>
+<rgb name="b" value="1" intent="illuminant"/></bsdf></scene>)"),
+              "2:27 expected a number, not \"0.1, 0.2, 0.3\"\n"
+              "3:33 <rgb> has no attribute \"intent\"; it takes name, value\n");
+    EXPECT_EQ(errors_of(R"(<scene version="0.6.0"><bsdf type="diffuse">
+<rgb name="b" value="1" intent="lamp"/></bsdf></scene>)"),
+              "2:33 expected reflectance or illuminant, not \"lamp\"\n");
+    const Description d =
+        read_content("<bsdf type='Diffuse'><rgb name='a' value='#808080'/></bsdf>");
+    EXPECT_EQ(d.root->children[0].element->type, "Diffuse");
+    EXPECT_NEAR(value_of<Rgb>(*d.root->children[0].element, "a").value.x, 0.21586050, 1e-8);
+}
+
 TEST(Legacy, NewScenesAreNotTouched) {
     const Description d = read_content(
         "<texture type=\"t\"><float name=\"uscale\" value=\"2\"/>"

@@ -83,7 +83,9 @@ TEST(Values, K7_integers_do_not_wrap_or_clamp) {
 TEST(Values, K8_booleans_are_two_words) {
     EXPECT_TRUE(parse_boolean("true"));
     EXPECT_FALSE(parse_boolean(" false "));
-    for (const char* text : {"", "True", "TRUE", "yes", "1", "0", "1.5", "tru", "true false"}) {
+    EXPECT_TRUE(parse_boolean("True"));
+    EXPECT_FALSE(parse_boolean("FALSE"));
+    for (const char* text : {"", "trueish", "yes", "1", "0", "1.5", "tru", "true false"}) {
         EXPECT_THROW(parse_boolean(text), Error) << text;
     }
 }
@@ -91,7 +93,9 @@ TEST(Values, K8_booleans_are_two_words) {
 TEST(Values, Lists) {
     EXPECT_EQ(parse_numbers("1, 2,3 4\t\n5 ,6"), (std::vector<double>{1, 2, 3, 4, 5, 6}));
     EXPECT_EQ(parse_triple("1 2 3"), Vector3d(1, 2, 3));
-    for (const char* text : {"1,,2 3", "1, 2, 3,", ",1 2 3", "1 2", "1 2 3 4", "1;2;3", ""}) {
+    EXPECT_EQ(parse_triple("1, 2, 3, "), Vector3d(1, 2, 3));
+    for (const char* text :
+         {"1,,2 3", "1, 2, 3,,", ",1 2 3", "1, 2,", "1 2", "1 2 3 4", "1;2;3", ""}) {
         EXPECT_THROW(parse_triple(text), Error) << text;
     }
 }
@@ -104,6 +108,8 @@ TEST(Values, Colours) {
     // IEC 61966-2-1 by hand: ((0.5 + 0.055) / 1.055)^2.4, and 0.04 / 12.92 in the linear part.
     EXPECT_NEAR(parse_srgb("0.5").x, 0.21404114048223255, 1e-15);
     EXPECT_NEAR(parse_srgb("0.04").x, 0.0030959752321981426, 1e-15);
+    EXPECT_EQ(parse_linear_rgb("#ff3300"), ColorD(1, 0.2, 0));
+    EXPECT_EQ(parse_linear_rgb("0.1, 0.2 0.3"), ColorD(0.1, 0.2, 0.3));
     const ColorD picked = parse_rgb("#c08040");
     EXPECT_NEAR(picked.x, 0.52711513, 1e-8);
     EXPECT_NEAR(picked.y, 0.21586050, 1e-8);
@@ -130,7 +136,8 @@ TEST(Values, Spectra) {
     const Spectrum spectrum = parse_spectrum_list("400:0.1, 500 : 0.2 600:-1e-2");
     EXPECT_EQ(spectrum.wavelengths, (std::vector<double>{400, 500, 600}));
     EXPECT_EQ(spectrum.values, (std::vector<double>{0.1, 0.2, -0.01}));
-    for (const char* text : {"", "400", "400:", ":1", "400:1,", "400:1:2", "400=1", "400:1 500"}) {
+    EXPECT_EQ(parse_spectrum_list("400:1,").values, std::vector<double>{1});
+    for (const char* text : {"", "400", "400:", ":1", "400:1,,", "400:1:2", "400=1", "400:1 500"}) {
         EXPECT_THROW(parse_spectrum_list(text), Error) << text;
     }
 }

@@ -127,10 +127,31 @@ TEST(XmlReader, TransformsAreAppliedInOrder) {
                 transform_of("<rotate z=\"1\" angle=\"90\"/>"));
     expect_near(transform_of("<lookat origin=\"1 2 3\" target=\"1 2 4\" up=\"0 1 0\"/>"),
                 transform_of("<translate x=\"1\" y=\"2\" z=\"3\"/>"));
+    expect_near(transform_of("<translate value=\"3\"/>"),
+                transform_of("<translate x=\"3\" y=\"3\" z=\"3\"/>"));
     // Every step is invertible, but their product overflows.
     std::string steps;
     for (int i = 0; i < 20; ++i) steps += "<scale value=\"1e30\"/>";
     EXPECT_NE(errors_of(property_scene("<transform name=\"t\">" + steps + "</transform>")), "");
+}
+
+TEST(XmlReader, WithoutUpTheImageIsTurnedAsByMitsuba) {
+    // Results of Mitsuba 3.9.1.
+    const auto look = [](const std::string& target) {
+        return transform_of("<lookat origin=\"0 0 4\" target=\"" + target + "\"/>");
+    };
+    const auto expect_axes = [](const Matrix4d& m, Vector3d x, Vector3d y) {
+        for (int i = 0; i < 3; ++i) {
+            EXPECT_NEAR(m[0][i], x[i], 1e-6);
+            EXPECT_NEAR(m[1][i], y[i], 1e-6);
+        }
+    };
+    expect_axes(look("0 0 0"), {0, 1, 0}, {1, 0, 0});
+    expect_axes(look("0 0 9"), {0, -1, 0}, {1, 0, 0});
+    expect_axes(look("1 2 3"), {-0.23670068, 0.52659863, 0.8164966},
+                {0.8816497, -0.23670068, 0.4082483});
+    expect_axes(look("-1 5 2"), {0.12208685, 0.38956574, 0.91287094},
+                {0.97558266, 0.12208685, -0.18257418});
 }
 
 TEST(XmlReader, ReferencesAndAliases) {

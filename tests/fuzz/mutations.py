@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Renders scenes, meshes and pictures that were damaged at random.
+
+    tests/fuzz/mutations.py [--lucerna PROGRAM] [--rounds 300] [--seed 0] [--keep FOLDER]
+
+Each round takes a scene, a mesh or a picture that is right, changes some of its bytes, numbers or
+lines, and renders it. Whatever the change, the program must end within ten seconds with an exit
+code that is documented, and each error must tell its place: file, line and column. What breaks
+this is kept, and the exit code is 1. The same seed makes the same changes.
+"""
+import argparse
+import os
+import random
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+
+TESTS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+CORPUS = os.path.join(TESTS, "fuzz", "corpus")
+SCENES = os.path.join(os.path.dirname(TESTS), "scenes")
+
+CAMERA = """<scene version="3.0.0">
+<integrator type="path"><integer name="max_depth" value="4"/></integrator>
+<sensor type="perspective"><transform name="to_world">
+<lookat origin="1, 2, 5" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
+<emitter type="constant"/>
+"""
+MESH = CAMERA + """<shape type="{kind}"><string name="filename" value="{name}"/></shape>
+</scene>"""
+PICTURE = CAMERA + """<shape type="sphere"><bsdf type="diffuse">
+<texture type="bitmap" name="reflectance"><string name="filename" value="{name}"/></texture>
+</bsdf></shape></scene>"""
+
+SECONDS = 10
+MEMORY = 8 << 30  # address space [bytes]; a damaged file must not ask for more
+EXIT_CODES = (0, 3, 5)  # success, wrong scene, file that cannot be read
+NUMBER = re.compile(rb"-?\d+(\.\d+)?")
+NUMBERS = (b"0", b"-1", b"1", b"3", b"255", b"65536", b"2147483648", b"4294967295",
+           b"9223372036854775808", b"1e-40", b"1e30", b"1e400", b"nan", b"-inf", b"0.5.5", b"")
+PLACED = re.compile(r"^[^:]+:\d+:\d+: (error|warning): ")
+
+
+def seeds():
+    """(name, bytes, scene or None) of what is to be damaged; no scene: it is one."""
+    found = []
+    for folder in ("obj_fuzz", "ply_fuzz", "serialized_fuzz", "image_fuzz"):
+        for name in sorted(os.listdir(os.path.join(CORPUS, folder))):
+            kind = name.rsplit(".", 1)[1]
+            if folder == "image_fuzz":
+                scene = PICTURE.format(name=name)
+            else:
+                scene = MESH.format(kind=kind, name=name)
+            with open(os.path.join(CORPUS, folder, name), "rb") as file:
+                found.append((name, file.read(), scene))
+    for name in ("first", "cornell-box", "furnace", "veach-mis"):
+        with open(os.path.join(SCENES, name, "scene.xml"), "rb") as file:
+            found.append((name + ".xml", file.read(), None))
+    return found
+
+
+def change_bytes(data, rng):
+    data = bytearray(data)
+    for _ in range(rng.choice((1, 2, 8, 64))):
+        data[rng.randrange(len(data))] = rng.choice((0, 1, 0x7f, 0x80, 0xff, rng.randrange(256)))
+    return bytes(data)
+
+
+def change_number(data, rng):
+    found = list(NUMBER.finditer(data))
+    if not found:
+        return change_bytes(data, rng)
+    at = rng.choice(found)
+    return data[:at.start()] + rng.choice(NUMBERS) + data[at.end():]
+
+
+def change_lines(data, rng):
+    lines = data.split(b"\n")
+    i, j = rng.randrange(len(lines)), rng.randrange(len(lines))
+    change = rng.randrange(4)
+    if change == 0:
+        del lines[i]
+    elif change == 1:
+        lines.insert(i, lines[j])
+    elif change == 2:
+        lines[i], lines[j] = lines[j], lines[i]
+    else:
+        lines[i] = lines[i] * rng.choice((2, 100))
+    return b"\n".join(lines)
+
+
+def cut(data, rng):
+    return data[:rng.randrange(len(data))]
+
+
+def repeat_part(data, rng):
+    start = rng.randrange(len(data))
+    part = data[start:start + rng.randrange(1, 200)]
+    at = rng.randrange(len(data))
+    return data[:at] + part * rng.choice((1, 2, 50)) + data[at:]
+
+
+def damaged(data, rng):
+    changes = (change_bytes, change_number, change_lines, cut, repeat_part)
+    for _ in range(rng.choice((1, 1, 1, 2, 4))):
+        if data:
+            data = rng.choice(changes)(data, rng)
+    return data
+
+
+def limit_memory():
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if not os.environ.get("ASAN_OPTIONS"):  # which reserves much more than it uses
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+def run(program, folder, scene):
+    """What is wrong with how the program ends, or None."""
+    command = [program, "render", scene, "-o", "picture", "--resolution", "8x8", "--spp", "1",
+               "--quiet", "--threads", "1"]
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, timeout=SECONDS,
+                              preexec_fn=limit_memory, check=False)
+    except subprocess.TimeoutExpired:
+        return f"it runs longer than {SECONDS} s"
+    said = done.stderr.decode(errors="replace")
+    if done.returncode not in EXIT_CODES:
+        return f"exit code {done.returncode}: {said[-2000:]}"
+    if done.returncode == 0:
+        return None
+    if not said:
+        return f"exit code {done.returncode} without a word"
+    for line in said.splitlines():
+        if re.match(r"^\S.*\berror: ", line) and not PLACED.match(line):
+            return f"an error without a place: {line[:300]}"
+    if not PLACED.match(said):
+        return f"what it says begins without a place: {said[:300]}"
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--lucerna", default="lucerna", help="the program")
+    parser.add_argument("--rounds", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--keep", default="mutations", help="folder for what breaks the program")
+    arguments = parser.parse_args()
+    program = arguments.lucerna
+    if os.sep in program:
+        program = os.path.abspath(program)
+    broken = 0
+    all_seeds = seeds()
+    for i in range(arguments.rounds):
+        rng = random.Random(f"{arguments.seed}/{i}")
+        name, data, scene = rng.choice(all_seeds)
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, name), "wb") as file:
+                file.write(damaged(data, rng))
+            if scene:
+                with open(os.path.join(folder, "scene.xml"), "w", encoding="utf-8") as file:
+                    file.write(scene)
+            problem = run(program, folder, "scene.xml" if scene else name)
+            if problem:
+                broken += 1
+                kept = os.path.join(arguments.keep, f"{arguments.seed}-{i}")
+                shutil.copytree(folder, kept, dirs_exist_ok=True)
+                print(f"{kept}/{name}: {problem}")
+    print(f"{arguments.rounds} rounds, {broken} broken")
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
