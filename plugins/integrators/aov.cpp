@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// aov: what the camera sees of the surfaces, as extra layers of the image.
 ///
+/// Depth is the distance from the lens along the ray, whatever the near clip plane.
+///
 /// `aovs` is a list of name:kind, as in Mitsuba: "albedo:albedo,nn:sh_normal,dist:depth". A nested
 /// integrator makes the image itself; without one it shows the first layer.
 #include "core/interfaces/bsdf.h"
@@ -149,11 +151,12 @@ void AovIntegrator::sample(const Scene& scene, const Ray& ray, SampleStream& str
         result.radiance = image.radiance;
         result.alpha = image.alpha;
     }
-    const std::optional<Interaction> at = scene.intersect(ray);
+    std::optional<Interaction> at = scene.intersect(ray);
     if (!at) {
         if (!image_) result.alpha = 0;
         return;
     }
+    at->t += scene.sensor().distance_from_lens(ray);
     for (const Layer& layer : layers_) {
         const Vector3 v = value(*at, -ray.d, layer.kind->aov);
         if (!image_ && &layer == layers_.data()) result.radiance = v;
