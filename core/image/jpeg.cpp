@@ -41,6 +41,7 @@ Image decode(std::span<const std::uint8_t> bytes, const std::string& name) {
     Image image(width, height,
                 grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"});
     image.srgb_encoded = true;
+    image.eight_bits = true;
     std::vector<std::uint8_t> samples(image.pixels.size());
     // The accurate transform gives the same values on every processor.
     constexpr int flags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
