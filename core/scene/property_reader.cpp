@@ -152,7 +152,12 @@ std::optional<Rgb> PropertyReader::read_spectrum_tag(const Tag& tag, const ReadC
             const std::filesystem::path path = find_file(text, search_paths_);
             return {ColorD(rgb_from_spectrum(read_spectrum(path), use))};
         }
-        if (text.find(':') == std::string_view::npos) return {ColorD(parse_float(text))};
+        if (text.find(':') == std::string_view::npos) {
+            // As light, Mitsuba 3 takes it for equal energy at all wavelengths; before, for white.
+            const bool equal_energy = context.in_emitter && !context.legacy;
+            const Color one = equal_energy ? rgb_from_spectrum({{}, {1}}, use) : Color(1);
+            return {parse_float(text) * ColorD(one)};
+        }
         return {ColorD(rgb_from_spectrum(parse_spectrum_list(text), use))};
     });
 }
