@@ -90,6 +90,7 @@ Image to_image(const ImageFile& file, std::string_view layer) {
     for (const Plane* p : chosen) names.emplace_back(channel_of(p->name));
     Image image(file.width, file.height, std::move(names));
     image.chromaticities = file.chromaticities;
+    image.notice = file.notice;
     for (std::size_t c = 0; c < chosen.size(); ++c) {
         const auto interleave = [&](const auto& samples) {
             if (samples.size() != image.pixel_count()) {

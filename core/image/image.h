@@ -112,6 +112,7 @@ struct ImageFile {
     std::vector<Plane> planes{};
     Metadata metadata{};
     std::optional<Chromaticities> chromaticities{};
+    std::string notice{};  ///< as of an Image
 
     const Plane* plane(std::string_view name) const;
     /// The names before the last dot of the planes' names, each once; "" is the main layer.

@@ -10,6 +10,7 @@
 
 #include "core/image/atomic_file.h"
 #include "core/image/file_bytes.h"
+#include "core/image/icc_profile.h"
 #include "core/plugin/error.h"
 
 namespace lucerna {
@@ -35,6 +36,7 @@ struct Job {
     bool srgb = true;
     double file_gamma = 0;  ///< encoded = linear^file_gamma, unless `srgb`
     std::optional<Chromaticities> chromaticities;
+    std::span<const std::uint8_t> profile;  ///< ICC; owned by libpng
 
     // Writing
     const Image8* image = nullptr;
@@ -94,8 +96,15 @@ void on_flush(png_structp) {}
 
 /// What the chunks say of the meaning of the samples (PNG 3rd edition, 4.3).
 void read_color_space(Job& job) {
-    const png_uint_32 named = PNG_INFO_sRGB | PNG_INFO_iCCP;
-    if (png_get_valid(job.png, job.info, named) != 0) return;
+    png_charp name = nullptr;
+    png_bytep profile = nullptr;
+    png_uint_32 size = 0;
+    int compression = 0;
+    if (png_get_valid(job.png, job.info, PNG_INFO_sRGB) != 0) return;
+    if (png_get_iCCP(job.png, job.info, &name, &compression, &profile, &size) != 0) {
+        job.profile = {profile, size};
+        return;
+    }
     double gamma = 0;
     if (png_get_gAMA(job.png, job.info, &gamma) != 0) {
         job.file_gamma = gamma;
@@ -176,6 +185,7 @@ Image to_floats(const Job& job) {
     if (!job.srgb) image.gamma = static_cast<float>(1 / job.file_gamma);
     image.chromaticities = job.chromaticities;
     image.eight_bits = job.bits == 8;
+    if (!job.profile.empty()) image.notice = icc_notice(job.profile);
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
         if (job.bits == 16) {
             std::uint16_t value = 0;

@@ -230,6 +230,16 @@ TEST_F(Textures, PicturesMeanWhatTheirFilesSay) {
     EXPECT_EQ(make(bitmap("p3.png", raw)).color({0, 0}), Color(1, 0, 0));
 }
 
+TEST_F(Textures, WhatIsNotFollowedOfAFileIsTold) {
+    write_file_atomically(*folder / "exposed.hdr",
+                          std::string("#?RGBE\nEXPOSURE=2\n\n-Y 1 +X 1\n\x03\x02\x01\x88", 34));
+    make(bitmap("exposed.hdr"));
+    EXPECT_NE(workshop_.warnings().find("exposed.hdr: its values were multiplied by an EXPOSURE "
+                                        "of 2"),
+              std::string::npos)
+        << workshop_.warnings();
+}
+
 TEST_F(Textures, OneChannelOfAPicture) {
     write_png(*folder / "leaf.png",
               {.width = 1, .height = 1, .channel_count = 4, .pixels = {255, 128, 0, 64}});

@@ -101,6 +101,19 @@ TEST(Png, PrimariesAreRead) {
     EXPECT_EQ(image.rgb(0, 0), Color(1, 0, 0));
 }
 
+TEST(Png, AProfileOfOtherPrimariesIsTold) {
+    // One pixel (255, 128, 0) with a profile of Adobe RGB.
+    const Image image = decode(from_hex(
+        "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de00000079694343504164"
+        "6f626520524742000078da6360607892979f97cac4c0c0909b575214e4eea4101119a5c0800412938b0b18"
+        "f0826fd7181841f4655d06d2017311d04220bd028845d221ec3d207612847d01c446b8698e040383ff5206"
+        "06963f0831935e0686053a0c0cfc5311626a860c0c02fa0c0cfbe60000c83d1c0b0cc944770000000c4944"
+        "415478da63f8dfc0000004010180fbd7cbf10000000049454e44ae426082"));
+    EXPECT_NE(image.notice.find("ICC profile"), std::string::npos);
+    EXPECT_TRUE(image.srgb_encoded);
+    EXPECT_EQ(image.rgb(0, 0), Color(1, 128.0f / 255, 0));
+}
+
 TEST(Png, RefusesEveryShortenedFile) {
     const Bytes file = bytes_of(encode_png(pattern(5, 4, 3)));
     expect_prefixes_refused(file, [](const Bytes& b) { decode(b); });
