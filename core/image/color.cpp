@@ -80,6 +80,11 @@ Color linear_to_srgb(Color c) {
     return {linear_to_srgb(c.x), linear_to_srgb(c.y), linear_to_srgb(c.z)};
 }
 
+float decoded(const Image& image, float value) {
+    if (image.srgb_encoded) return srgb_to_linear(value);
+    return image.gamma == 1 ? value : std::copysign(std::pow(std::abs(value), image.gamma), value);
+}
+
 Matrix3d rec709_from(const Chromaticities& chromaticities) {
     if (!is_color_triangle(chromaticities)) {
         throw Error("the chromaticities of the image span no triangle; name its colour space");
@@ -325,18 +330,21 @@ std::vector<std::string> ColorConfig::views() const { return state_->views(); }
 
 void ColorConfig::to_rendering(Image& image, std::string_view space) const {
     const bool automatic = space == "auto" || space.empty();
-    const bool encoded = image.srgb_encoded;
+    if (automatic && (image.srgb_encoded || image.gamma != 1)) {
+        transform_colors(image, [&](float v) { return decoded(image, v); });
+    }
     const std::optional<Chromaticities> chromaticities = image.chromaticities;
-    const bool raw = contains(raw_names, space);
     image.srgb_encoded = false;
+    image.gamma = 1;
+    image.eight_bits = false;
     image.chromaticities.reset();
-    if (raw) return;
+    if (contains(raw_names, space)) return;
 
     // First to linear Rec.709 where that is known, then on to the rendering space.
     const bool own = automatic || contains(linear_names, space) || contains(srgb_names, space);
     const bool user = state_->kind == State::Kind::file;
     if (own && (automatic || !user)) {
-        if (automatic ? encoded : contains(srgb_names, space)) {
+        if (contains(srgb_names, space)) {
             transform_colors(image, [](float v) { return srgb_to_linear(v); });
         }
         if (automatic && chromaticities && *chromaticities != Chromaticities::rec709()) {

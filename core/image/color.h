@@ -24,6 +24,9 @@ float linear_to_srgb(float linear);
 Color srgb_to_linear(Color encoded);
 Color linear_to_srgb(Color linear);
 
+/// Linear light of a value of an image that is encoded as `image` says.
+float decoded(const Image& image, float value);
+
 /// Matrix from linear RGB of these primaries and white to linear Rec.709; the white is adapted by
 /// the Bradford transform. Throws Error if the primaries span no triangle.
 Matrix3d rec709_from(const Chromaticities& chromaticities);
@@ -56,9 +59,9 @@ public:
     /// All views as "Display/View"; the default one first.
     std::vector<std::string> views() const;
 
-    /// Converts an image in place to the rendering space and clears `srgb_encoded`. `space` is any
-    /// name or alias of the configuration, "raw" (numbers, left as they are), or "auto": the sRGB
-    /// curve for encoded images; for others linear Rec.709, or what the file's chromaticities say.
+    /// Converts an image in place to the rendering space and clears what it says of itself. `space`
+    /// is any name or alias of the configuration, "raw" (numbers, left as they are), or "auto": the
+    /// curve and the chromaticities that the image names; linear Rec.709 if it names none.
     /// Alpha stays. Throws Error with the names there are if there is no such space.
     void to_rendering(Image& image, std::string_view space = "auto") const;
     /// The same for one colour; "auto" is linear Rec.709.

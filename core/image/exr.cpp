@@ -198,7 +198,7 @@ void read_planes(Imf::InputFile& input, ImageFile& file) {
 
 ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name) {
     prepare_library();
-    check_exr_header(bytes);
+    const int parts = check_exr_header(bytes);
     MemoryInput stream(bytes, name);
     Imf::InputFile input(stream);
     const Imf::Header& header = input.header();
@@ -225,6 +225,7 @@ ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name) {
     file.y = data.min.y - full.min.y;
     file.full_width = full.max.x - full.min.x + 1;
     file.full_height = full.max.y - full.min.y + 1;
+    if (parts > 1) file.notice = fmt::format("it has {} parts, of which the first is used", parts);
     file.metadata = metadata_of(header);
     file.chromaticities = chromaticities_of(header);
     read_planes(input, file);

@@ -106,12 +106,14 @@ void check_value(std::string_view type, Bytes value) {
 
 }  // namespace
 
-void check_exr_header(std::span<const std::uint8_t> bytes) {
+int check_exr_header(std::span<const std::uint8_t> bytes) {
     Bytes rest(bytes);
     rest.take_size();  // the magic number
     constexpr std::size_t many_parts = 0x1000;
     const std::size_t flags = rest.take_size();
+    int parts = 0;
     do {
+        ++parts;
         while (!rest.at_end_of_list()) {
             rest.take_text();
             const std::string_view type = rest.take_text();
@@ -120,6 +122,7 @@ void check_exr_header(std::span<const std::uint8_t> bytes) {
         }
         rest.take(1);
     } while ((flags & many_parts) != 0 && !rest.at_end_of_list());
+    return parts;
 }
 
 }  // namespace lucerna

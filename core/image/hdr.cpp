@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <new>
@@ -33,6 +34,13 @@ public:
         read_header();
         read_resolution();
         Image image(width_, height_);
+        image.chromaticities = primaries_;
+        if (exposure_ != 1) {
+            image.notice = fmt::format(
+                "its values were multiplied by an EXPOSURE of {:g}, which is "
+                "not divided out",
+                exposure_);
+        }
         std::vector<Rgbe> row(static_cast<std::size_t>(width_));
         for (int y = 0; y < height_; ++y) {
             read_row(row);
@@ -67,6 +75,11 @@ private:
     void read_header() {
         if (!line().starts_with("#?")) damaged("it does not begin with #?");
         for (std::string text = line(); !text.empty(); text = line()) {
+            if (text.starts_with("EXPOSURE=")) exposure_ *= numbers_of<1>(text)[0];
+            if (text.starts_with("PRIMARIES=")) {
+                const auto c = numbers_of<8>(text);
+                primaries_ = {{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}};
+            }
             if (!text.starts_with("FORMAT=")) continue;
             if (text == "FORMAT=32-bit_rle_xyze") {
                 throw FileError(
@@ -74,6 +87,23 @@ private:
             }
             if (text != "FORMAT=32-bit_rle_rgbe") damaged("its format is \"" + text + "\"");
         }
+    }
+
+    /// The numbers behind the = of a line of the header.
+    template <std::size_t count>
+    std::array<double, count> numbers_of(std::string_view text) const {
+        std::array<double, count> numbers{};
+        std::string_view rest = text.substr(text.find('=') + 1);
+        for (double& number : numbers) {
+            rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
+            const auto [end, code] =
+                std::from_chars(rest.data(), rest.data() + rest.size(), number);
+            if (code != std::errc() || !std::isfinite(number)) {
+                damaged(fmt::format("\"{}\" has not {} numbers", text, count));
+            }
+            rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+        }
+        return numbers;
     }
 
     /// "-Y 512 +X 1024": rows from top to bottom, pixels from left to right.
@@ -154,6 +184,8 @@ private:
     const std::string& name_;
     std::size_t position_ = 0;
     int width_ = 0, height_ = 0;
+    double exposure_ = 1;  ///< product of all that the header names
+    std::optional<Chromaticities> primaries_;
     bool flip_x_ = false, flip_y_ = false;
 };
 

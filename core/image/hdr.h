@@ -13,9 +13,9 @@
 namespace lucerna {
 
 /// Reads flat, old and new run-length encoded pictures in any of the four orientations that keep
-/// rows horizontal. The values are mantissa · 2^(exponent − 136), linear; EXPOSURE is ignored, as
-/// other renderers do. Throws FileError with the name of the file and what to do for damaged files,
-/// XYZE and other orientations.
+/// rows horizontal. The values are mantissa · 2^(exponent − 136), linear, in the PRIMARIES of the
+/// file; EXPOSURE is not divided out, as in other renderers, which a notice tells. Throws FileError
+/// with the name of the file and what to do for damaged files, XYZE and other orientations.
 Image read_hdr(const std::filesystem::path& path);
 
 /// The same from memory; `name` is what errors call it.

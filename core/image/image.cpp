@@ -90,6 +90,7 @@ Image to_image(const ImageFile& file, std::string_view layer) {
     for (const Plane* p : chosen) names.emplace_back(channel_of(p->name));
     Image image(file.width, file.height, std::move(names));
     image.chromaticities = file.chromaticities;
+    image.notice = file.notice;
     for (std::size_t c = 0; c < chosen.size(); ++c) {
         const auto interleave = [&](const auto& samples) {
             if (samples.size() != image.pixel_count()) {
@@ -103,6 +104,36 @@ Image to_image(const ImageFile& file, std::string_view layer) {
         std::visit(interleave, chosen[c]->samples);
     }
     return image;
+}
+
+Image one_channel(const Image& image, std::size_t index) {
+    Image result = image;
+    result.channels = {"Y"};
+    result.pixels.resize(image.pixel_count());
+    const std::size_t stride = image.channel_count();
+    for (std::size_t i = 0; i < result.pixels.size(); ++i) {
+        result.pixels[i] = image.pixels[i * stride + index];
+    }
+    if (image.channels[index] == "A") {
+        result.srgb_encoded = false;
+        result.gamma = 1;
+    }
+    return result;
+}
+
+Image placed(const Image& image, Vector2i offset, Vector2i size) {
+    Image result = image;
+    result.width = size.x;
+    result.height = size.y;
+    result.pixels.assign(result.pixel_count() * result.channel_count(), 0);
+    const int left = std::max(offset.x, 0), right = std::min(offset.x + image.width, size.x);
+    const int top = std::max(offset.y, 0), bottom = std::min(offset.y + image.height, size.y);
+    if (left >= right) return result;
+    const auto row = static_cast<std::ptrdiff_t>(image.channel_count()) * (right - left);
+    for (int y = top; y < bottom; ++y) {
+        std::copy_n(image.at(left - offset.x, y - offset.y), row, result.at(left, y));
+    }
+    return result;
 }
 
 void add_layer(ImageFile& file, const Image& image, std::string_view layer, bool half) {

@@ -41,10 +41,17 @@ struct Image {
     int height = 0;
     std::vector<std::string> channels;  ///< "R", "G", "B", "A"; "Y" for grey
     std::vector<float> pixels;          ///< width · height · channels.size() values
-    /// The values are encoded for display by the sRGB curve, in [0, 1]: 8 and 16 bit files.
+    /// The values are encoded for display by the sRGB curve, in [0, 1]: 8 and 16 bit files that
+    /// do not say otherwise.
     bool srgb_encoded = false;
+    /// If they are not: linear light is value^gamma.
+    float gamma = 1;
+    /// All values are k / 255 for whole numbers k.
+    bool eight_bits = false;
     /// What red, green and blue mean, where the file says so.
     std::optional<Chromaticities> chromaticities{};
+    /// What the file says about its pixels and is not followed; empty if there is no such thing.
+    std::string notice{};
 
     Image() = default;
     /// All zero. Throws Error if a dimension is not positive.
@@ -105,6 +112,7 @@ struct ImageFile {
     std::vector<Plane> planes{};
     Metadata metadata{};
     std::optional<Chromaticities> chromaticities{};
+    std::string notice{};  ///< as of an Image
 
     const Plane* plane(std::string_view name) const;
     /// The names before the last dot of the planes' names, each once; "" is the main layer.
@@ -114,6 +122,13 @@ struct ImageFile {
 /// The planes of one layer as floats, colour first. Throws Error naming the layers if there is
 /// no such layer.
 Image to_image(const ImageFile& file, std::string_view layer = "");
+
+/// The channel with this index as a grey image; alpha is not encoded.
+Image one_channel(const Image& image, std::size_t index);
+
+/// An image of `size` that has `image` at `offset` and is zero elsewhere; what lies outside of it
+/// is cut off.
+Image placed(const Image& image, Vector2i offset, Vector2i size);
 
 /// Adds the channels of an image as float planes "layer.R", … ; the main layer is "".
 /// Throws Error if the sizes differ or a plane of that name is there already.

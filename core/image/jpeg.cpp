@@ -8,6 +8,7 @@
 #include <new>
 
 #include "core/image/file_bytes.h"
+#include "core/image/jpeg_notice.h"
 #include "core/plugin/error.h"
 
 namespace lucerna {
@@ -41,6 +42,8 @@ Image decode(std::span<const std::uint8_t> bytes, const std::string& name) {
     Image image(width, height,
                 grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"});
     image.srgb_encoded = true;
+    image.eight_bits = true;
+    image.notice = jpeg_notice(bytes);
     std::vector<std::uint8_t> samples(image.pixels.size());
     // The accurate transform gives the same values on every processor.
     constexpr int flags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <png.h>
 
+#include <cmath>
 #include <csetjmp>
 #include <cstring>
 
 #include "core/image/atomic_file.h"
 #include "core/image/file_bytes.h"
+#include "core/image/icc_profile.h"
 #include "core/plugin/error.h"
 
 namespace lucerna {
@@ -31,6 +33,10 @@ struct Job {
     std::size_t row_bytes = 0;
     int bits = 0;
     std::vector<std::uint8_t> samples;
+    bool srgb = true;
+    double file_gamma = 0;  ///< encoded = linear^file_gamma, unless `srgb`
+    std::optional<Chromaticities> chromaticities;
+    std::span<const std::uint8_t> profile;  ///< ICC; owned by libpng
 
     // Writing
     const Image8* image = nullptr;
@@ -88,6 +94,29 @@ void on_write(png_structp png, png_bytep data, std::size_t count) {
 
 void on_flush(png_structp) {}
 
+/// What the chunks say of the meaning of the samples (PNG 3rd edition, 4.3).
+void read_color_space(Job& job) {
+    png_charp name = nullptr;
+    png_bytep profile = nullptr;
+    png_uint_32 size = 0;
+    int compression = 0;
+    if (png_get_valid(job.png, job.info, PNG_INFO_sRGB) != 0) return;
+    if (png_get_iCCP(job.png, job.info, &name, &compression, &profile, &size) != 0) {
+        job.profile = {profile, size};
+        return;
+    }
+    double gamma = 0;
+    if (png_get_gAMA(job.png, job.info, &gamma) != 0) {
+        job.file_gamma = gamma;
+        job.srgb = std::abs(gamma * 2.2 - 1) < 0.05;  // as near as libpng takes for equal
+    }
+    Chromaticities c;
+    if (png_get_cHRM(job.png, job.info, &c.white.x, &c.white.y, &c.red.x, &c.red.y, &c.green.x,
+                     &c.green.y, &c.blue.x, &c.blue.y) != 0) {
+        job.chromaticities = c;
+    }
+}
+
 /// Reads the header and asks for whole samples of 8 or 16 bits. False: see `message`.
 bool read_header(Job& job) {
     if (setjmp(png_jmpbuf(job.png))) return false;
@@ -95,6 +124,7 @@ bool read_header(Job& job) {
     png_set_chunk_malloc_max(job.png, 1 << 26);
     png_set_read_fn(job.png, nullptr, on_read);
     png_read_info(job.png, job.info);
+    read_color_space(job);
     png_set_expand(job.png);
     if (png_get_bit_depth(job.png, job.info) == 16) png_set_swap(job.png);
     png_set_interlace_handling(job.png);
@@ -151,7 +181,11 @@ std::vector<std::string> channel_names(std::size_t count) {
 Image to_floats(const Job& job) {
     Image image(static_cast<int>(job.width), static_cast<int>(job.height),
                 channel_names(job.channels));
-    image.srgb_encoded = true;
+    image.srgb_encoded = job.srgb;
+    if (!job.srgb) image.gamma = static_cast<float>(1 / job.file_gamma);
+    image.chromaticities = job.chromaticities;
+    image.eight_bits = job.bits == 8;
+    if (!job.profile.empty()) image.notice = icc_notice(job.profile);
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
         if (job.bits == 16) {
             std::uint16_t value = 0;

@@ -26,13 +26,18 @@ bool starts_with(std::span<const std::uint8_t> bytes, std::string_view signature
 
 }  // namespace
 
-Image read_image(const std::filesystem::path& path) {
+Image read_image(const std::filesystem::path& path, ExrWindow window) {
     const std::vector<std::uint8_t> bytes = read_file_bytes(path);
     const std::string name = path.string();
     if (starts_with(bytes, "\x76\x2f\x31\x01")) {
         const ImageFile file = decode_exr(bytes, name);
         try {
-            return to_image(file);
+            const Image stored = to_image(file);
+            const Vector2i size(file.full_width, file.full_height);
+            const bool whole =
+                size == Vector2i(file.width, file.height) && file.x == 0 && file.y == 0;
+            if (whole || window == ExrWindow::data) return stored;
+            return placed(stored, {file.x, file.y}, size);
         } catch (const Error& error) {
             throw FileError(fmt::format("{}: {}", name, error.what()));
         }

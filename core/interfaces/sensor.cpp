@@ -16,4 +16,6 @@ Sensor::~Sensor() = default;
 
 std::optional<SensorConnection> Sensor::connect(Vector3, Vector2) const { return {}; }
 
+float Sensor::distance_from_lens(const Ray&) const { return 0; }
+
 }  // namespace lucerna

@@ -39,6 +39,10 @@ public:
     /// clip planes; unless overridden, always, and then nothing can be connected to the sensor.
     virtual std::optional<SensorConnection> connect(Vector3 p, Vector2 u_lens) const;
 
+    /// Distance from the lens to the origin of `ray`, one of `sample_ray`: more than zero if rays
+    /// start at a near clip plane.
+    virtual float distance_from_lens(const Ray& ray) const;
+
     const Film& film() const { return *film_; }
     const Sampler& sampler() const { return *sampler_; }
 

@@ -14,7 +14,7 @@ public:
 
     /// Linear Rec.709 (or raw data) at the surface parameters `uv`.
     virtual Color color(Vector2 uv) const = 0;
-    /// One number: the first channel of raw data, the luminance of a colour.
+    /// One number: the luminance of a colour, of raw data, too.
     virtual float real(Vector2 uv) const = 0;
     /// ∂real/∂u and ∂real/∂v. Central differences unless overridden.
     virtual Vector2 gradient(Vector2 uv) const;

@@ -97,7 +97,7 @@ public:
     /// A colour that may be a texture: an rgb, a float, a spectrum or a nested `<texture>`.
     ColorInput color_input(std::string_view name, Color default_value, Range range,
                            std::string_view doc) const;
-    /// A number that may be a texture (its first channel, or the luminance of a colour).
+    /// A number that may be a texture (the luminance of its colour).
     FloatInput float_input(std::string_view name, float default_value, Range range,
                            std::string_view doc) const;
 

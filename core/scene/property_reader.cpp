@@ -180,7 +180,9 @@ std::optional<Rgb> PropertyReader::read_spectrum_tag(const Tag& tag, const ReadC
         if (text.find(':') == std::string_view::npos) {
             // Mitsuba 0.6 as it was distributed had three samples of a spectrum: R, G and B.
             if (context.legacy) return {parse_linear_rgb(text)};
-            return {ColorD(parse_float(text))};
+            // As light, Mitsuba 3 takes it for equal energy at all wavelengths; before, for white.
+            const Color one = context.in_emitter ? rgb_from_spectrum({{}, {1}}, use) : Color(1);
+            return {parse_float(text) * ColorD(one)};
         }
         return {ColorD(rgb_from_spectrum(parse_spectrum_list(text), use))};
     });

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 /// In the rendering space; PNG and JPEG are decoded from sRGB.
 Image read_linear(const std::string& path) {
-    Image image = read_image(path);
+    Image image = read_image(path, ExrWindow::data);
     ColorConfig().to_rendering(image);
     return image;
 }

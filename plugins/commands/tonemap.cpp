@@ -58,7 +58,7 @@ private:
             fmt::print(stderr, "lucerna tonemap: OUTPUT would replace INPUT\n");
             return exit_code::usage;
         }
-        Image image = read_image(input);
+        Image image = read_image(input, ExrWindow::data);
         view.color.to_rendering(image);
         const Image8 shown = view.color.display(image, view.name, view.exposure);
         write_png(output, shown);

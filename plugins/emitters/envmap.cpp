@@ -73,6 +73,9 @@ public:
         world_from_map_ = frame.value_or(Frame());
 
         Image image = read_image(path);
+        if (!image.notice.empty()) {
+            params.warning("filename", fmt::format("{}: {}", path.string(), image.notice));
+        }
         ColorConfig().to_rendering(image);
         const std::size_t bad = take_texels(image, scale);
         if (bad > 0) {

@@ -3,7 +3,8 @@
 ///
 /// The intensity is I up to the angle b (beam_width), falls linearly in the angle to zero at c
 /// (cutoff_angle), and is multiplied by a texture that is projected along the axis: the square
-/// [0, 1]² of the texture holds the cone. Without a texture
+/// [0, 1]² of the texture holds the cone, u grows along local x and v against local y, as in
+/// Mitsuba. Seen along the axis with y down, a picture is upright. Without a texture
 ///
 ///   Φ = 2π I (1 − (sin c − sin b) / (c − b)),   which is 2π I (1 − cos c) for b = c.
 #include "core/math/orientation.h"
@@ -88,7 +89,7 @@ private:
         if (angle >= cutoff_) return Color(0);
         const float falloff = angle <= beam_ ? 1 : (cutoff_ - angle) / (cutoff_ - beam_);
         if (!texture_) return falloff * intensity_;
-        const Vector2 uv(0.5f + texture_scale_ * w.x / w.z, 0.5f + texture_scale_ * w.y / w.z);
+        const Vector2 uv(0.5f + texture_scale_ * w.x / w.z, 0.5f - texture_scale_ * w.y / w.z);
         return falloff * intensity_ * texture_->color(uv);
     }
 

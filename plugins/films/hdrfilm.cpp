@@ -2,13 +2,18 @@
 /// hdrfilm: an image of linear radiance in an OpenEXR file, or for the screen in a PNG.
 ///
 /// As `ldrfilm` it writes a PNG unless file_format says otherwise: sRGB-encoded, 8 bits, values
-/// above 1 clipped. Layers of the integrator go to the EXR only.
+/// above 1 clipped. Layers of the integrator go to the EXR only. There, colours have 16 bits by
+/// default, and what may be a distance, a position or a number has 32.
 #include "core/image/color.h"
 #include "core/image/exr.h"
 #include "core/image/png.h"
 #include "core/interfaces/film.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
 
 namespace lucerna {
 
@@ -25,6 +30,12 @@ bool is_grey(PixelFormat format) {
 }
 bool is_color(const Plane& plane) {
     return plane.name == "R" || plane.name == "G" || plane.name == "B";
+}
+/// A channel of the image or of a layer that holds colours, by its name.
+bool holds_color(const Plane& plane) {
+    constexpr std::array<std::string_view, 5> names{"R", "G", "B", "A", "Y"};
+    const std::string_view channel = std::string_view(plane.name).substr(plane.name.rfind('.') + 1);
+    return std::find(names.begin(), names.end(), channel) != names.end();
 }
 
 /// R, G and B as one channel Y.
@@ -60,7 +71,9 @@ public:
                                          "channels of the file")),
           half_(params.choice<bool>("component_format", true,
                                     {{"float16", true}, {"float32", false}},
-                                    "of OpenEXR channels")),
+                                    "of OpenEXR channels; if not given, float32 for those that "
+                                    "are no colours")),
+          half_data_(half_ && params.has("component_format")),
           rfilter_(params.nested_or<RFilter>("gaussian", "the reconstruction filter")) {
         check_crop(params);
         for (const char* name : {"banner", "label", "attach_log", "compensate"}) {
@@ -114,7 +127,8 @@ private:
             result.planes.insert(result.planes.begin(), luminance_plane(image));
         }
         for (Plane& plane : result.planes) {
-            plane.half = half_ && std::holds_alternative<std::vector<float>>(plane.samples);
+            plane.half = (holds_color(plane) ? half_ : half_data_) &&
+                         std::holds_alternative<std::vector<float>>(plane.samples);
         }
         return result;
     }
@@ -123,7 +137,7 @@ private:
     CropWindow crop_;
     FileFormat file_format_;
     PixelFormat pixel_format_;
-    bool half_;
+    bool half_, half_data_;
     const RFilter& rfilter_;
 };
 

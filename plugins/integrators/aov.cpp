@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// aov: what the camera sees of the surfaces, as extra layers of the image.
 ///
+/// Depth is the distance from the lens along the ray, whatever the near clip plane.
+///
 /// `aovs` is a list of name:kind, as in Mitsuba: "albedo:albedo,nn:sh_normal,dist:depth". A nested
 /// integrator makes the image itself; without one it shows the first layer.
 #include "core/interfaces/bsdf.h"
@@ -158,11 +160,12 @@ void AovIntegrator::fill_layers(const Scene& scene, CameraSample& sample) const 
     PixelSample& result = sample.result;
     const std::span<float> layers = result.layers;
     std::size_t next = image_layers_;
-    const std::optional<Interaction> at = scene.intersect(ray);
+    std::optional<Interaction> at = scene.intersect(ray);
     if (!at) {
         if (!image_) result.alpha = 0;
         return;
     }
+    at->t += scene.sensor().distance_from_lens(ray);
     for (const Layer& layer : layers_) {
         const Vector3 v = value(*at, -ray.d, layer.kind->aov);
         if (!image_ && &layer == layers_.data()) result.radiance = v;

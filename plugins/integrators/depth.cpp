@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// depth: distance from the camera to the nearest surface, as grey; zero where there is none.
+/// depth: distance from the lens of the camera to the nearest surface, as grey and as the layer
+/// "depth", which keeps 32 bits; zero where there is none.
 #include "core/scene/scene.h"
 
 namespace lucerna {
@@ -10,10 +11,14 @@ class DepthIntegrator final : public SamplingIntegrator {
 public:
     explicit DepthIntegrator(const Params&) {}
 
+    std::vector<std::string> layers() const override { return {"depth"}; }
+
     void sample(const Scene& scene, std::span<CameraSample> samples) const override {
         for (CameraSample& sample : samples) {
             const std::optional<Interaction> at = scene.intersect(sample.ray);
-            sample.result.radiance = Color(at ? at->t : 0.0f);
+            const float depth = at ? scene.sensor().distance_from_lens(sample.ray) + at->t : 0.0f;
+            sample.result.radiance = Color(depth);
+            sample.result.layers[0] = depth;
             sample.result.alpha = at ? 1.0f : 0.0f;
         }
     }

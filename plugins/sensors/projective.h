@@ -12,13 +12,19 @@
 namespace lucerna {
 
 class ProjectiveSensor : public Sensor {
+public:
+    float distance_from_lens(const Ray& ray) const final {
+        return near_clip_ / glm::dot(view_, ray.d);
+    }
+
 protected:
     explicit ProjectiveSensor(const Params& params)
         : Sensor(params),
           near_clip_(params.real("near_clip", 1e-2, positive,
                                  "depth below which nothing is seen [scene units]")),
           far_clip_(params.real("far_clip", 1e4, positive,
-                                "depth beyond which nothing is seen [scene units]")) {
+                                "depth beyond which nothing is seen [scene units]")),
+          view_(glm::normalize(world_from_camera().direction(Vector3d(0, 0, 1)))) {
         if (!(near_clip_ < far_clip_)) {
             params.error("near_clip", fmt::format("near_clip is {:g}, but must be less than "
                                                   "far_clip, which is {:g}",
@@ -39,6 +45,7 @@ protected:
 
 private:
     float near_clip_, far_clip_;
+    Vector3 view_;  ///< the direction in which depth grows
 };
 
 /// Half the width of the image at the depth 1, of a film of width / height = `aspect`: the

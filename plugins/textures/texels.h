@@ -2,32 +2,42 @@
 /// The picture of a bitmap texture in memory.
 #pragma once
 
+#include "core/base/huge_pages.h"
 #include "core/image/color.h"
+#include "core/math/four_floats.h"
 
+#include <algorithm>
 #include <array>
 
 namespace lucerna {
 
-/// Pixels in one or three channels, linear or raw. A picture that came from 8-bit numbers is kept
-/// as such, in a quarter of the memory, and decoded by a table.
+/// Pixels in one or three channels, linear or raw. They lie in square tiles, so that the four
+/// around a point are mostly in one line of the cache: 4 × 4 colours or 8 × 8 grey values of
+/// 8 bits. Pictures of 8 bits are kept as such and decoded by a table.
 class Texels {
 public:
     Texels() = default;
     Texels(Image image, bool raw)
         : width_(image.width), height_(image.height), channels_(image.channels.size() < 3 ? 1 : 3) {
-        if (image.srgb_encoded && take_bytes(image)) {
-            for (int k = 0; k < 256; ++k) {
-                const float encoded = static_cast<float>(k) / 255;
-                decoded_[static_cast<std::size_t>(k)] = raw ? encoded : srgb_to_linear(encoded);
-            }
-            return;
+        const bool own_primaries =
+            image.chromaticities && *image.chromaticities != Chromaticities::rec709();
+        const bool as_bytes = image.eight_bits && (raw || channels_ == 1 || !own_primaries);
+        if (as_bytes) {
+            fill_table(image, raw);
+        } else {
+            ColorConfig().to_rendering(image, raw ? "raw" : "auto");
         }
-        ColorConfig().to_rendering(image, raw ? "raw" : "auto");
-        floats_.reserve(image.pixel_count() * static_cast<std::size_t>(channels_));
-        for (std::size_t i = 0; i < image.pixel_count(); ++i) {
-            const Color c = image.rgb(i);
-            bad_ += is_finite(c) ? 0 : 1;
-            for (int k = 0; k < channels_; ++k) floats_.push_back(std::isfinite(c[k]) ? c[k] : 0);
+        stride_ = channels_ == 1 ? 1 : as_bytes ? 4 : 3;
+        shift_ = as_bytes && channels_ == 1 ? 3 : 2;
+        tiles_per_row_ = (static_cast<std::size_t>(width_ - 1) >> shift_) + 1;
+        const std::size_t tiles_per_column = (static_cast<std::size_t>(height_ - 1) >> shift_) + 1;
+        const std::size_t numbers = (tiles_per_row_ * tiles_per_column << 2 * shift_) * stride_;
+        if (as_bytes) {
+            bytes_.resize(numbers);
+            store(image, bytes_, [](float v) { return static_cast<std::uint8_t>(v * 255 + 0.5f); });
+        } else {
+            floats_.resize(numbers);
+            store(image, floats_, [](float v) { return std::isfinite(v) ? v : 0.0f; });
         }
     }
 
@@ -36,38 +46,61 @@ public:
     int channels() const { return channels_; }
     /// Pixels that held a NaN or an infinity, which are taken as 0.
     std::size_t bad() const { return bad_; }
-    std::size_t bytes() const { return bytes_.size() + floats_.size() * sizeof(float); }
 
-    Color operator()(int x, int y) const {
-        const std::size_t i = (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                               static_cast<std::size_t>(x)) *
-                              static_cast<std::size_t>(channels_);
-        if (channels_ == 1) return Color(value(i));
-        return {value(i), value(i + 1), value(i + 2)};
+    /// The place of a texel is that of its column plus that of its row.
+    std::size_t column(int x) const {
+        const auto i = static_cast<std::size_t>(x);
+        return ((i >> shift_ << 2 * shift_) + (i & mask())) * stride_;
     }
+    std::size_t row(int y) const {
+        const auto i = static_cast<std::size_t>(y);
+        return (((i >> shift_) * tiles_per_row_ << 2 * shift_) + ((i & mask()) << shift_)) *
+               stride_;
+    }
+    /// The colour at a place; its last component means nothing.
+    FourFloats at(std::size_t place) const {
+        if (!bytes_.empty()) {
+            const std::uint8_t* const p = bytes_.data() + place;
+            if (channels_ == 1) return all_equal(decoded_[p[0]]);
+            return FourFloats{decoded_[p[0]], decoded_[p[1]], decoded_[p[2]], 0};
+        }
+        const float* const p = floats_.data() + place;
+        if (channels_ == 1) return all_equal(p[0]);
+        return FourFloats{p[0], p[1], p[2], 0};
+    }
+    Color operator()(int x, int y) const { return to_vector3(at(column(x) + row(y))); }
 
 private:
-    float value(std::size_t i) const { return bytes_.empty() ? floats_[i] : decoded_[bytes_[i]]; }
+    static FourFloats all_equal(float v) { return FourFloats{v, v, v, v}; }
+    std::size_t mask() const { return (std::size_t{1} << shift_) - 1; }
 
-    /// False if the numbers are not k / 255.
-    bool take_bytes(const Image& image) {
-        std::vector<std::uint8_t> bytes;
-        bytes.reserve(image.pixel_count() * static_cast<std::size_t>(channels_));
-        for (std::size_t i = 0; i < image.pixel_count(); ++i) {
-            const Color c = image.rgb(i);
-            for (int k = 0; k < channels_; ++k) {
-                const float nearest = std::round(c[k] * 255);
-                if (!(std::abs(c[k] * 255 - nearest) < 1e-3f)) return false;
-                bytes.push_back(static_cast<std::uint8_t>(nearest));
+    void fill_table(const Image& image, bool raw) {
+        for (int k = 0; k < 256; ++k) {
+            const float encoded = static_cast<float>(k) / 255;
+            decoded_[static_cast<std::size_t>(k)] = raw ? encoded : decoded(image, encoded);
+        }
+    }
+
+    template <typename Numbers, typename Convert>
+    void store(const Image& image, Numbers& numbers, const Convert& convert) {
+        for (int y = 0; y < height_; ++y) {
+            for (int x = 0; x < width_; ++x) {
+                const Color c = image.rgb(x, y);
+                bad_ += is_finite(c) ? 0 : 1;
+                const std::size_t place = column(x) + row(y);
+                for (int k = 0; k < channels_; ++k) {
+                    numbers[place + static_cast<std::size_t>(k)] = convert(c[k]);
+                }
             }
         }
-        bytes_ = std::move(bytes);
-        return true;
     }
 
     int width_ = 0, height_ = 0, channels_ = 1;
-    std::vector<std::uint8_t> bytes_;
-    std::vector<float> floats_;
+    std::size_t stride_ = 1;  ///< numbers from one texel to the next
+    std::size_t shift_ = 0;   ///< a tile has 2^shift_ rows and columns
+    std::size_t tiles_per_row_ = 0;
+    std::vector<std::uint8_t, HugePages<std::uint8_t>> bytes_;
+    std::vector<float, HugePages<float>> floats_;
     std::array<float, 256> decoded_{};
     std::size_t bad_ = 0;
 };

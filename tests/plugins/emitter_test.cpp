@@ -92,6 +92,9 @@ protected:
         });
         write_png(*folder / "half.png",
                   {.width = 2, .height = 1, .pixels = {255, 255, 255, 0, 0, 0}});
+        std::vector<std::uint8_t> upper_left(12);
+        std::fill_n(upper_left.begin(), 3, std::uint8_t{255});
+        write_png(*folder / "upper_left.png", {.width = 2, .height = 2, .pixels = upper_left});
     }
     static void TearDownTestSuite() { delete folder; }
 
@@ -476,6 +479,20 @@ TEST_F(Emitters, SpotProjectsItsTexture) {
     EXPECT_NE(refusal(emitter("spot", picture + number("cutoff_angle", 100)), folder->path()), "");
 }
 
+TEST_F(Emitters, SpotProjectsTheUpperLeftOfItsTextureToNegativeXAndY) {
+    const Scene& s =
+        scene(ball + emitter("spot", "<texture name='texture' type='bitmap'>" +
+                                         word("filename", "upper_left.png") +
+                                         word("filter_type", "nearest") + "</texture>"));
+    const Light& light = s.lights()[0];
+    for (const float x : {-0.5f, 0.5f}) {
+        for (const float y : {-0.5f, 0.5f}) {
+            const auto li = light.emitter->sample_li(light, receiver({x, y, 5}, {0, 0, -1}), {});
+            EXPECT_EQ(li.has_value(), x < 0 && y < 0) << x << " " << y;
+        }
+    }
+}
+
 TEST_F(Emitters, O6_SquareLight) {
     const std::string square =
         to_world("<scale value='0.5'/>" + facing_down + "<translate z='1'/>");
@@ -612,6 +629,12 @@ TEST_F(Environments, DirectionsAreThoseOfMitsuba) {
     EXPECT_NEAR(s.environment({1, 0, 0}).x, 1.5f, 1e-5f);
     EXPECT_NEAR(s.environment({0, 0, 1}).x, 3.5f, 1e-5f);
     EXPECT_NEAR(s.environment({-1, 0, 0}).x, 5.5f, 1e-5f);
+    // Rows cover equal angles: 22.5 degrees below +y lies the centre of the first of four.
+    for (const int row : {0, 1, 2, 3}) {
+        const double theta = (row + 0.5) * std::numbers::pi / 4;
+        const Vector3 d(Vector3d(std::sin(theta), std::cos(theta), 0));
+        EXPECT_NEAR(s.environment(d).y, static_cast<float>(row), 1e-5f);
+    }
     const Scene& turned = map(
         8, 4, [](int, int y) { return Color(static_cast<float>(y)); },
         to_world("<rotate x='1' angle='90'/>"));

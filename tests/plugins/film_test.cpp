@@ -116,6 +116,23 @@ TEST_F(Films, H8_HalfPrecisionIsFiniteAndFloatExact) {
     EXPECT_EQ(values(written(word("component_format", "float32")), "B").at(1), 1e6f);
 }
 
+TEST_F(Films, LayersThatAreNoColoursKeep32Bits) {
+    const auto half = [&](const std::string& body, const char* name) {
+        ImageFile image = picture();
+        image.planes.push_back({.name = "depth", .samples = std::vector<float>{0.1f, 1e6f}});
+        image.planes.push_back({.name = "nn.X", .samples = std::vector<float>{0.1f, 0}});
+        const auto path = folder_ / "layers.exr";
+        workshop_.make<Film>(film("hdrfilm", body)).write(image, path);
+        return read_exr(path).plane(name)->half;
+    };
+    EXPECT_TRUE(half("", "R"));
+    EXPECT_TRUE(half("", "albedo.R"));
+    EXPECT_FALSE(half("", "depth"));
+    EXPECT_FALSE(half("", "nn.X"));
+    EXPECT_TRUE(half(word("component_format", "float16"), "depth"));
+    EXPECT_FALSE(half(word("component_format", "float32"), "R"));
+}
+
 TEST_F(Films, LdrfilmWritesAnEncodedPNG) {
     const Film& f =
         workshop_.make<Film>(film("ldrfilm", word("pixel_format", "rgba") + number("exposure", 1)));

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What every texture must satisfy, tried on all that the registry finds, and what pictures show.
 #include "core/interfaces/texture.h"
+#include "core/image/atomic_file.h"
 #include "core/image/color.h"
 #include "core/image/exr.h"
 #include "core/image/png.h"
 #include "core/math/sequences.h"
+#include "tests/core/image/damage.h"
 #include "tests/plugins/workshop.h"
 #include "tests/statistics.h"
 
@@ -24,6 +26,11 @@ std::string to_uv(const std::string& steps) {
 }
 const std::string raw = "<boolean name='raw' value='true'/>";
 const std::string nearest = word("filter_type", "nearest");
+
+std::string text_of_hex(const std::string& hex) {
+    const Bytes bytes = from_hex(hex);
+    return {bytes.begin(), bytes.end()};
+}
 
 class Textures : public testing::Test {
 protected:
@@ -116,14 +123,20 @@ TEST_F(Textures, GradientsAreThoseOfTheValues) {
             SCOPED_TRACE(xml);
             const Vector2 uv = 3.0f * rng.next_float2() - 1.0f;
             const auto slope = [&](float h) {
-                return Vector2(t.real(uv + Vector2(h, 0)) - t.real(uv - Vector2(h, 0)),
-                               t.real(uv + Vector2(0, h)) - t.real(uv - Vector2(0, h))) /
-                       (2 * h);
+                return Vector2(t.real(uv + Vector2(h, 0)) - t.real(uv),
+                               t.real(uv + Vector2(0, h)) - t.real(uv)) /
+                       h;
             };
-            const Vector2 wide = slope(0x1p-9f), narrow = slope(0x1p-10f);
-            if (glm::distance(wide, narrow) > 1e-3f * (1 + glm::length(wide))) continue;  // an edge
+            const auto central = [&](float h) { return 0.5f * (slope(h) + slope(-h)); };
+            const auto bend = [&](float h) { return (slope(h) - slope(-h)) / h; };
+            // At an edge, these change with the step.
+            constexpr float h = 0x1p-9f;
+            const Vector2 middle = central(h / 2);
+            const float size = 1 + glm::length(middle);
+            if (glm::distance(central(h), middle) > 1e-3f * size) continue;
+            if (glm::distance(bend(h), bend(h / 2)) * h > 2e-2f * size) continue;
             ++compared;
-            EXPECT_LT(glm::distance(t.gradient(uv), narrow), 4e-3f * (1 + glm::length(wide)));
+            EXPECT_LT(glm::distance(t.gradient(uv), middle), 4e-3f * size);
         }
         EXPECT_GT(compared, 300);
     }
@@ -186,11 +199,101 @@ TEST_F(Textures, ColoursAreDecodedAndRawDataAreNot) {
     EXPECT_NEAR(make(bitmap("grey.png")).color({0, 0}).x, srgb_to_linear(encoded), 1e-6f);
     EXPECT_EQ(make(bitmap("grey.png", raw)).color({0, 0}).x, encoded);
     EXPECT_EQ(make(bitmap("grey.png", number("gamma", 1))).color({0, 0}).x, encoded);
-    make(bitmap("grey.png", number("gamma", 2.2)));
-    EXPECT_NE(workshop_.warnings(), "");
-    // One number of a colour is its luminance, of raw data the first channel.
+    EXPECT_NEAR(make(bitmap("grey.png", number("gamma", 2.2))).color({0, 0}).x,
+                std::pow(encoded, 2.2f), 1e-6f);
+    EXPECT_NE(refusal(bitmap("grey.png", number("gamma", 0)), folder->path()), "");
+    // One number of three is their luminance, also if they are raw.
     EXPECT_NEAR(make(bitmap("corners.png", nearest)).real({0.75f, 0.75f}), 0.715169f, 1e-6f);
-    EXPECT_EQ(make(bitmap("corners.png", nearest + raw)).real({0.75f, 0.75f}), 0);
+    EXPECT_NEAR(make(bitmap("corners.png", nearest + raw)).real({0.75f, 0.75f}), 0.715169f, 1e-6f);
+}
+
+TEST_F(Textures, PicturesMeanWhatTheirFilesSay) {
+    // Grey 128, with a chunk gAMA of 1: linear.
+    write_file_atomically(
+        *folder / "linear.png",
+        text_of_hex("89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b"
+                    "550000000467414d41000186a031e8965f0000000a4944415478da6368000000"
+                    "820081da45083b0000000049454e44ae426082"));
+    EXPECT_EQ(make(bitmap("linear.png")).color({0, 0}), Color(128.0f / 255));
+    // Red of Display P3, linear: outside of Rec.709. As numbers it stays as it is.
+    write_file_atomically(
+        *folder / "p3.png",
+        text_of_hex(
+            "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000467414d"
+            "41000186a031e8965f000000206348524d00007a2600008084000109a000007d000000678400010d"
+            "8800003a9800001770f1f8ca570000000c4944415478da63f8cfc0000003010100f7034143000000"
+            "0049454e44ae426082"));
+    const Color red = make(bitmap("p3.png")).color({0, 0});
+    EXPECT_NEAR(red.x, 1.2249f, 1e-4f);
+    EXPECT_NEAR(red.y, -0.0420f, 1e-4f);
+    EXPECT_NEAR(red.z, -0.0197f, 1e-4f);
+    EXPECT_EQ(make(bitmap("p3.png", raw)).color({0, 0}), Color(1, 0, 0));
+}
+
+TEST_F(Textures, WhatIsNotFollowedOfAFileIsTold) {
+    write_file_atomically(*folder / "exposed.hdr",
+                          std::string("#?RGBE\nEXPOSURE=2\n\n-Y 1 +X 1\n\x03\x02\x01\x88", 34));
+    make(bitmap("exposed.hdr"));
+    EXPECT_NE(workshop_.warnings().find("exposed.hdr: its values were multiplied by an EXPOSURE "
+                                        "of 2"),
+              std::string::npos)
+        << workshop_.warnings();
+}
+
+TEST_F(Textures, OneChannelOfAPicture) {
+    write_png(*folder / "leaf.png",
+              {.width = 1, .height = 1, .channel_count = 4, .pixels = {255, 128, 0, 64}});
+    const auto value = [&](const char* channel, const std::string& more = "") {
+        const Texture& t = make(bitmap("leaf.png", word("channel", channel) + more));
+        EXPECT_EQ(t.color({0, 0}), Color(t.real({0, 0})));
+        return t.real({0, 0});
+    };
+    EXPECT_EQ(value("r"), 1);
+    EXPECT_NEAR(value("g"), srgb_to_linear(128.0f / 255), 1e-6f);
+    EXPECT_EQ(value("G", raw), 128.0f / 255);
+    EXPECT_EQ(value("b"), 0);
+    EXPECT_EQ(value("a"), 64.0f / 255);  // never encoded
+    EXPECT_NE(refusal(bitmap("leaf.png", word("channel", "z")), folder->path())
+                  .find("has no channel \"z\"; there are: R, G, B, A"),
+              std::string::npos);
+    Image depth(1, 1, {"Y"});
+    depth.pixels = {0.25f};
+    ImageFile file;
+    add_layer(file, depth);
+    write_exr(*folder / "depth.exr", file);
+    EXPECT_EQ(make(bitmap("depth.exr", word("channel", "g"))).real({0, 0}), 0.25f);
+}
+
+TEST_F(Textures, EveryTexelIsInItsPlace) {
+    for (const int width : {1, 3, 4, 9, 17}) {
+        for (const int height : {1, 2, 8, 11}) {
+            for (const bool bytes : {false, true}) {
+                Image image(width, height);
+                Image8 image8{.width = width, .height = height};
+                Rng rng(4);
+                for (float& v : image.pixels) {
+                    const auto byte = static_cast<std::uint8_t>(256 * rng.next_float());
+                    image8.pixels.push_back(byte);
+                    v = static_cast<float>(byte) / 255;
+                }
+                ImageFile file;
+                add_layer(file, image);
+                if (bytes) write_png(*folder / "texels", image8);
+                if (!bytes) write_exr(*folder / "texels", file);
+                const Texture& color = make(bitmap("texels", raw + nearest));
+                const Texture& green = make(bitmap("texels", raw + nearest + word("channel", "g")));
+                for (int y = 0; y < height; ++y) {
+                    for (int x = 0; x < width; ++x) {
+                        const Vector2 uv(
+                            (static_cast<float>(x) + 0.5f) / static_cast<float>(width),
+                            1 - (static_cast<float>(y) + 0.5f) / static_cast<float>(height));
+                        ASSERT_EQ(color.color(uv), image.rgb(x, y)) << width << " x " << height;
+                        ASSERT_EQ(green.real(uv), image.rgb(x, y).y) << width << " x " << height;
+                    }
+                }
+            }
+        }
+    }
 }
 
 TEST_F(Textures, C15_PixelsThatAreNotFiniteAreTold) {

@@ -73,7 +73,7 @@ inline Reference read_reference(const std::filesystem::path& path) {
         return reference_from(read_state(path), path);
     }
     Reference reference;
-    reference.image = read_image(path);
+    reference.image = read_image(path, ExrWindow::data);
     ColorConfig().to_rendering(reference.image);
     reference.source = path.string();
     return reference;

@@ -36,6 +36,27 @@ TEST(Hdr, Orientations) {
     EXPECT_NE(turned.find("columns"), std::string::npos) << turned;
 }
 
+TEST(Hdr, HeadersAreFollowedOrTold) {
+    const auto with = [](const std::string& lines) {
+        Bytes file = bytes_of("#?RADIANCE\n" + lines + "FORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n");
+        file.insert(file.end(), flat_pixels.begin(), flat_pixels.end());
+        return file;
+    };
+    EXPECT_EQ(decode(with("")).notice, "");
+    EXPECT_FALSE(decode(with("")).chromaticities);
+    const Image image =
+        decode(with("EXPOSURE=2\nEXPOSURE= 0.25\n"
+                    "PRIMARIES=0.68 0.32 0.265 0.69 0.15 0.06 0.3127 0.3290\n"));
+    EXPECT_EQ(image.rgb(0, 0), Color(1, 0.5f, 0));
+    EXPECT_NE(image.notice.find("EXPOSURE of 0.5"), std::string::npos) << image.notice;
+    const Chromaticities p3{{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, {0.3127, 0.3290}};
+    ASSERT_TRUE(image.chromaticities);
+    EXPECT_EQ(*image.chromaticities, p3);
+    EXPECT_EQ(decode(with("EXPOSURE=2\nEXPOSURE=0.5\n")).notice, "");
+    EXPECT_NE(file_error([&] { decode(with("PRIMARIES=0.6 0.3\n")); }).find("8 numbers"),
+              std::string::npos);
+}
+
 TEST(Hdr, OldRuns) {
     // A pixel, 2 repeats; then a run of 1 + 1 · 256 repeats in the next row.
     Bytes pixels{1, 2, 3, 136, 1, 1, 1, 2};

@@ -39,6 +39,18 @@ ImageFile two_layers() {
     return file;
 }
 
+TEST(Image, OneChannelIsGreyAndAlphaIsNotEncoded) {
+    Image image(2, 1, {"R", "G", "B", "A"});
+    image.pixels = {1, 2, 3, 4, 5, 6, 7, 8};
+    image.srgb_encoded = true;
+    const Image green = one_channel(image, 1), alpha = one_channel(image, 3);
+    EXPECT_EQ(green.pixels, (std::vector<float>{2, 6}));
+    EXPECT_EQ(green.channels, std::vector<std::string>{"Y"});
+    EXPECT_TRUE(green.srgb_encoded);
+    EXPECT_EQ(alpha.pixels, (std::vector<float>{4, 8}));
+    EXPECT_FALSE(alpha.srgb_encoded);
+}
+
 TEST(ImageFile, ColourComesFirst) {
     const Image image = to_image(two_layers());
     EXPECT_EQ(image.channels, (std::vector<std::string>{"R", "G", "B", "A"}));

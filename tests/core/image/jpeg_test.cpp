@@ -42,6 +42,46 @@ TEST(Jpeg, ReadsColours) {
     expect_near(13, 13, {20, 160, 90});
 }
 
+/// The picture with a segment behind its first marker.
+Bytes with_segment(const std::string& hex) {
+    Bytes file = quarters;
+    const Bytes segment = from_hex(hex);
+    file.insert(file.begin() + 2, segment.begin(), segment.end());
+    return file;
+}
+
+TEST(Jpeg, TellsThatExifWouldTurnThePixels) {
+    EXPECT_EQ(decode(quarters).notice, "");
+    // TIFF with one entry: tag 0x0112, type 3, count 1, the orientation; either order of bytes.
+    const auto big = [](const std::string& value) {
+        return with_segment(
+            "ffe10022457869660000"
+            "4d4d002a00000008"
+            "0001"
+            "011200030000000100" +
+            value +
+            "0000"
+            "00000000");
+    };
+    const Bytes little = with_segment(
+        "ffe10022457869660000"
+        "49492a0008000000"
+        "0100"
+        "1201030001000000"
+        "08000000"
+        "00000000");
+    const Image turned = decode(big("06"));
+    EXPECT_NE(turned.notice.find("orientation 6"), std::string::npos) << turned.notice;
+    EXPECT_EQ(turned.pixels, decode(quarters).pixels);
+    EXPECT_EQ(decode(big("01")).notice, "");
+    EXPECT_NE(decode(little).notice.find("orientation 8"), std::string::npos);
+    // Offsets beyond the end of the segment.
+    EXPECT_EQ(decode(with_segment("ffe10010457869660000"
+                                  "4d4d002affffffff"))
+                  .notice,
+              "");
+}
+
 TEST(Jpeg, RefusesEveryShortenedFile) {
     // The end marker itself may be missing: nothing is lost without it.
     const Bytes body(quarters.begin(), quarters.end() - 4);

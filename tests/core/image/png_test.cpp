@@ -68,6 +68,52 @@ TEST(Png, InterlacedRowsAreSorted) {
     EXPECT_EQ(image.pixels, (std::vector<float>{0.2f, 1}));
 }
 
+/// A picture of one pixel, grey 128, with other chunks before the pixels.
+Image grey_with(const std::string& chunks) {
+    return decode(from_hex("89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b55" +
+                           chunks +
+                           "0000000a4944415478da6368000000820081da45083b0000000049454e44ae426082"));
+}
+
+TEST(Png, GammaSaysHowValuesAreEncoded) {
+    const std::string srgb = "000000017352474200aece1ce9",
+                      linear = "0000000467414d41000186a031e8965f";
+    EXPECT_FALSE(grey_with(linear).srgb_encoded);
+    EXPECT_EQ(grey_with(linear).gamma, 1);
+    EXPECT_EQ(grey_with(linear).pixels.at(0), 128.0f / 255);
+    EXPECT_TRUE(grey_with("").srgb_encoded);
+    EXPECT_TRUE(grey_with(srgb + linear).srgb_encoded);
+    // 0.45455 stands for sRGB; 0.55556 is a power.
+    EXPECT_TRUE(grey_with("0000000467414d410000b18f0bfc6105").srgb_encoded);
+    const Image mac = grey_with("0000000467414d410000d904dcb2da02");
+    EXPECT_FALSE(mac.srgb_encoded);
+    EXPECT_NEAR(mac.gamma, 1.8f, 1e-4f);
+}
+
+TEST(Png, PrimariesAreRead) {
+    const Image image = decode(from_hex(
+        "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000467414d41000186"
+        "a031e8965f000000206348524d00007a2600008084000109a000007d000000678400010d8800003a98000017"
+        "70f1f8ca570000000c4944415478da63f8cfc0000003010100f70341430000000049454e44ae426082"));
+    ASSERT_TRUE(image.chromaticities);
+    const Chromaticities p3{{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, {0.3127, 0.3290}};
+    EXPECT_EQ(*image.chromaticities, p3);
+    EXPECT_EQ(image.rgb(0, 0), Color(1, 0, 0));
+}
+
+TEST(Png, AProfileOfOtherPrimariesIsTold) {
+    // One pixel (255, 128, 0) with a profile of Adobe RGB.
+    const Image image = decode(from_hex(
+        "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de00000079694343504164"
+        "6f626520524742000078da6360607892979f97cac4c0c0909b575214e4eea4101119a5c0800412938b0b18"
+        "f0826fd7181841f4655d06d2017311d04220bd028845d221ec3d207612847d01c446b8698e040383ff5206"
+        "06963f0831935e0686053a0c0cfc5311626a860c0c02fa0c0cfbe60000c83d1c0b0cc944770000000c4944"
+        "415478da63f8dfc0000004010180fbd7cbf10000000049454e44ae426082"));
+    EXPECT_NE(image.notice.find("ICC profile"), std::string::npos);
+    EXPECT_TRUE(image.srgb_encoded);
+    EXPECT_EQ(image.rgb(0, 0), Color(1, 128.0f / 255, 0));
+}
+
 TEST(Png, RefusesEveryShortenedFile) {
     const Bytes file = bytes_of(encode_png(pattern(5, 4, 3)));
     expect_prefixes_refused(file, [](const Bytes& b) { decode(b); });

@@ -30,6 +30,28 @@ TEST(ReadImage, TheContentDecidesNotTheName) {
     EXPECT_EQ(read_image(folder / "c.jpg").rgb(0, 0), Color(3, 2, 1));
 }
 
+TEST(ReadImage, ThePictureIsTheDisplayWindow) {
+    const TemporaryFolder folder;
+    const auto read = [&](int x, int y, ExrWindow window) {
+        ImageFile file{.x = x, .y = y, .full_width = 4, .full_height = 3};
+        Image part(2, 2, {"Y"});
+        part.pixels = {1, 2, 3, 4};
+        add_layer(file, part);
+        write_exr(folder / "part.exr", file);
+        return read_image(folder / "part.exr", window);
+    };
+    const Image inside = read(1, 1, ExrWindow::display);
+    EXPECT_EQ(inside.width, 4);
+    EXPECT_EQ(inside.pixels, (std::vector<float>{0, 0, 0, 0,  //
+                                                 0, 1, 2, 0,  //
+                                                 0, 3, 4, 0}));
+    EXPECT_EQ(read(1, 1, ExrWindow::data).pixels, (std::vector<float>{1, 2, 3, 4}));
+    // What lies beyond the display window is not seen.
+    EXPECT_EQ(read(-1, 2, ExrWindow::display).pixels,
+              (std::vector<float>{0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0}));
+    EXPECT_EQ(read(9, -5, ExrWindow::display).pixels, std::vector<float>(12));
+}
+
 TEST(ReadImage, SaysWhatIsWrong) {
     const TemporaryFolder folder;
     const auto message = [](const std::filesystem::path& path) {

@@ -112,6 +112,29 @@ TEST(XmlReader, SpectraBecomeColours) {
     EXPECT_EQ(color(emitter, "k"), ColorD(blackbody(6500)) * 2.0);
 }
 
+TEST(XmlReader, OneValueOfASpectrumIsEqualEnergyAsLightSinceVersion2) {
+    const auto read = [](const std::string& version) {
+        const TemporaryFolder folder;
+        std::ofstream(folder / "scene.xml")
+            << "<scene version='" + version +
+                   "'><bsdf type='d'><spectrum name='r' value='0.5'/></bsdf>"
+                   "<emitter type='e'><spectrum name='r' value='5000'/></emitter></scene>";
+        Diagnostics diagnostics;
+        const Description d = read_scene(folder / "scene.xml", {}, diagnostics);
+        const auto color = [&](std::size_t i) {
+            return value_of<Rgb>(*d.root->children.at(i).element, "r").value;
+        };
+        return std::pair(color(0), color(1));
+    };
+    EXPECT_EQ(read("0.6.0"), std::pair(ColorD(0.5), ColorD(5000)));
+    const auto [reflectance, light] = read("3.0.0");
+    EXPECT_EQ(reflectance, ColorD(0.5));
+    // XYZ = (1, 1, 1) by the matrix of Rec.709; the tables of the CIE give X = Y = Z to 10⁻⁴.
+    EXPECT_NEAR(light.x / 5000, 1.204976, 5e-4);
+    EXPECT_NEAR(light.y / 5000, 0.948279, 5e-4);
+    EXPECT_NEAR(light.z / 5000, 0.908625, 5e-4);
+}
+
 TEST(XmlReader, TransformsAreAppliedInOrder) {
     expect_near(transform_of("<translate x=\"1\"/><scale value=\"2\"/>"),
                 Matrix4d(2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 2, 0, 0, 1));
