@@ -39,7 +39,6 @@ constexpr std::array aliases{
     Alias{"film", "ldrfilm", "hdrfilm"},
     Alias{"integrator", "photonmapper", "photonmap"},
     Alias{"sampler", "ldsampler", "sobol"},
-    Alias{"sampler", "orthogonal", "multijitter"},
 };
 
 const Kind* find_kind(std::string_view name) {

@@ -25,6 +25,8 @@ public:
                 uint_to_float(static_cast<std::uint32_t>(x))};
     }
 
+    bool joint() const override { return false; }
+
 private:
     std::uint64_t bits(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension) const {
         return hash_combine(key(sequence, dimension), index);

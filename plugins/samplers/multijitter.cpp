@@ -31,7 +31,7 @@ public:
                     std::uint32_t dimension) const override {
         const std::uint64_t h = hash_combine(key(sequence, dimension), index / cells_);
         const auto i = static_cast<std::uint32_t>(index % cells_);
-        const double x = permute(i, cells_, h) + uint64_to_double(mix64(h + i + 1));
+        const double x = shuffled_cell(i, cells_, 1, h) + uint64_to_double(mix64(h + i + 1));
         return std::min(static_cast<float>(x / cells_), one_minus_epsilon);
     }
 
@@ -40,7 +40,7 @@ public:
         const std::uint64_t h = hash_combine(key(sequence, dimension), index / cells_);
         const auto i = static_cast<std::uint32_t>(index % cells_);
         const std::uint64_t jitter = mix64(h + i + 1);
-        const std::uint32_t cell = permute(i, cells_, h);
+        const std::uint32_t cell = shuffled_cell(i, cells_, columns_, h);
         const std::uint32_t column = cell % columns_, row = cell / columns_;
         // The cell's column decides where its sample lies in y, its row where it lies in x.
         const std::uint32_t sub_row = permute(column, columns_, mix64(~h));

@@ -54,4 +54,17 @@ inline std::uint32_t permute(std::uint32_t i, std::uint32_t n, std::uint64_t key
     return (i + static_cast<std::uint32_t>(mix64(~key) % n)) % n;
 }
 
+/// Where sample `i` < `cells` lies in a grid of `cells` cells with rows of `columns`: a random
+/// order, in which even and odd samples take one colour of a chessboard each. An odd number of
+/// cells has no two colours of equal size; all cells are then equally likely for every sample.
+inline std::uint32_t shuffled_cell(std::uint32_t i, std::uint32_t cells, std::uint32_t columns,
+                                   std::uint64_t key) {
+    if (cells % 2 == 1) return permute(i, cells, key);
+    const std::uint32_t color = (i ^ static_cast<std::uint32_t>(key)) & 1;
+    const std::uint32_t cell = 2 * permute(i / 2, cells / 2, mix64(key + color));
+    // Colours alternate along a row; rows of even length begin with either colour in turn.
+    const std::uint32_t row = cell / columns;
+    return cell + (columns % 2 == 0 ? (color + row) % 2 : color);
+}
+
 }  // namespace lucerna

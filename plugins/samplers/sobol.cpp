@@ -1,44 +1,90 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sobol: Owen-scrambled, shuffled Sobol' points, independently for every pair of dimensions.
+/// sobol: Owen-scrambled Sobol' points.
 ///
 /// Each aligned block of 2ᵏ samples has one point in every elementary interval of area 2⁻ᵏ, so
 /// powers of two are the best sample counts; any other is sound, too (Burley 2020, "Practical
-/// Hash-based Owen Scrambling"). Pairs are padded, not dimensions of one sequence: none is bad.
+/// Hash-based Owen Scrambling"). Groups of eight pairs of dimensions are well distributed together;
+/// beyond them, dimensions are padded: groups are scrambled and shuffled independently, so that no
+/// dimension is bad.
 #include "plugins/samplers/seeded.h"
+#include "plugins/samplers/sobol_orders.h"
+
+#include <bit>
 
 namespace lucerna {
 
 namespace {
 
-/// Point `index` of patterns whose keys lie `step` apart. Compiled twice, for eight lanes where the
-/// processor has them: half of the work are products of integers, which SSE2 does not have.
-[[gnu::target_clones("avx2", "default")]] void points_of_patterns(
-    std::uint64_t index, std::uint64_t key, std::uint64_t step,
-    Vector2 (&points)[Sampler::block_pairs]) {
-    for (std::uint32_t i = 0; i < Sampler::block_pairs; ++i) {
-        points[i] = sobol_owen_2d(index, key + i * step);
+/// Index of the Sobol' sequence for a sample: a random order of the aligned blocks in which even
+/// and odd samples are the two halves.
+std::uint32_t shuffled_index(std::uint32_t sample, std::uint32_t seed) {
+    const std::uint32_t i = owen_scramble(sample, seed) & ~1u;
+    const auto parity = static_cast<std::uint32_t>(std::popcount(i & half_of_index));
+    return i | ((sample ^ parity) & 1);
+}
+
+/// Scrambled by hashes of the group's and the pair's number.
+SobolPoint scrambled_point(std::uint32_t order, std::uint64_t group, std::uint32_t pair) {
+    const std::uint64_t h = mix64(group + pair * 0x9e3779b97f4a7c15u);
+    const auto first = static_cast<std::uint32_t>(h), second = static_cast<std::uint32_t>(h >> 32);
+    return {reverse_bits(laine_karras_permutation(order, first)),
+            reverse_bits(laine_karras_permutation(multiply_by_pascal(order), second))};
+}
+
+/// All pairs of a group. Compiled twice, for eight lanes where the processor has them: half of the
+/// work are products of integers, which SSE2 does not have.
+[[gnu::target_clones("avx2", "default")]] void points_of_group(std::uint32_t index,
+                                                               std::uint64_t group,
+                                                               Vector2 (&points)[sobol_pairs]) {
+    std::uint32_t order[sobol_pairs];
+    for (std::uint32_t& o : order) o = index >> sobol_order_columns << sobol_order_columns;
+    std::uint32_t rest = index & ((1u << sobol_order_columns) - 1);
+    for (std::uint32_t bit = 0; rest != 0; ++bit, rest >>= 1) {
+        const std::uint32_t mask = 0u - (rest & 1);
+        for (std::uint32_t k = 0; k < sobol_pairs; ++k) order[k] ^= sobol_orders[k][bit] & mask;
+    }
+    for (std::uint32_t k = 0; k < sobol_pairs; ++k) {
+        points[k] = scrambled_point(order[k], group, k).to_float();
     }
 }
 
 class SobolSampler final : public SeededSampler {
 public:
-    explicit SobolSampler(const Params& params) : SeededSampler(params) {}
+    explicit SobolSampler(const Params& params) : SeededSampler(params) {
+        static_assert(sobol_pairs == block_pairs);
+    }
 
     float sample_1d(std::uint64_t sequence, std::uint64_t index,
                     std::uint32_t dimension) const override {
-        return sobol_owen_1d(index, raw_key(sequence, dimension));
+        return sample_2d(sequence, index, dimension).x;
     }
 
     Vector2 sample_2d(std::uint64_t sequence, std::uint64_t index,
                       std::uint32_t dimension) const override {
-        return sobol_owen_2d(index, raw_key(sequence, dimension));
+        Vector2 points[block_pairs];
+        group_points(sequence, index, dimension, points);
+        return points[pair_of(dimension)];
     }
 
     std::uint32_t sample_block(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
                                Vector2 (&pairs)[block_pairs]) const override {
-        const std::uint64_t key = raw_key(sequence, dimension);
-        points_of_patterns(index, key, raw_key(sequence, dimension + 2) - key, pairs);
-        return block_pairs;
+        Vector2 points[block_pairs];
+        group_points(sequence, index, dimension, points);
+        const std::uint32_t first = pair_of(dimension);
+        std::copy(points + first, points + block_pairs, pairs);
+        return block_pairs - first;
+    }
+
+private:
+    static std::uint32_t pair_of(std::uint32_t dimension) { return dimension / 2 % sobol_pairs; }
+
+    /// The group that holds a pair. Pairs that begin at odd dimensions have groups of their own.
+    void group_points(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
+                      Vector2 (&points)[block_pairs]) const {
+        const std::uint32_t first = dimension - 2 * pair_of(dimension);
+        const SequenceSeeds seeds(index, raw_key(sequence, first));
+        const std::uint32_t i = shuffled_index(static_cast<std::uint32_t>(index), seeds.order());
+        points_of_group(i, seeds.h, points);
     }
 };
 

@@ -31,7 +31,7 @@ public:
         const std::uint64_t h = hash_combine(key(sequence, dimension), index / cells_);
         const auto i = static_cast<std::uint32_t>(index % cells_);
         const std::uint64_t jitter = mix64(h + i + 1);
-        const double x = permute(i, cells_, h) + uint64_to_double(jitter);
+        const double x = shuffled_cell(i, cells_, 1, h) + uint64_to_double(jitter);
         return std::min(static_cast<float>(x / cells_), one_minus_epsilon);
     }
 
@@ -40,7 +40,7 @@ public:
         const std::uint64_t h = hash_combine(key(sequence, dimension), index / cells_);
         const auto i = static_cast<std::uint32_t>(index % cells_);
         const std::uint64_t jitter = mix64(h + i + 1);
-        const std::uint32_t cell = permute(i, cells_, h);
+        const std::uint32_t cell = shuffled_cell(i, cells_, side_, h);
         const double x = cell % side_ + uint_to_double(static_cast<std::uint32_t>(jitter));
         const double y = cell / side_ + uint_to_double(static_cast<std::uint32_t>(jitter >> 32));
         return {std::min(static_cast<float>(x / side_), one_minus_epsilon),
