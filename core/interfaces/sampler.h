@@ -19,8 +19,9 @@ public:
     explicit Sampler(const Params& params);
     ~Sampler() override;
 
-    /// Number `dimension` of sample `index` of the sequence; different sequences (pixels, seeds)
-    /// are independent. Samples of even and of odd index go to different halves of the film.
+    /// Number `dimension` of sample `index` of the sequence; different sequences (pixels, seeds,
+    /// halves of the film) are independent. A half takes the even or the odd indices only, so these
+    /// are to be well distributed by themselves.
     virtual float sample_1d(std::uint64_t sequence, std::uint64_t index,
                             std::uint32_t dimension) const = 0;
     /// Dimensions `dimension` and `dimension` + 1, well distributed together.
@@ -33,9 +34,6 @@ public:
     virtual std::uint32_t sample_block(std::uint64_t sequence, std::uint64_t index,
                                        std::uint32_t dimension,
                                        Vector2 (&pairs)[block_pairs]) const;
-
-    /// Whether samples of one sequence depend on each other, so that the halves of the film do.
-    virtual bool joint() const { return true; }
 
     /// Samples per pixel if the command line does not say.
     int sample_count() const { return sample_count_; }

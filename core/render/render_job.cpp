@@ -267,7 +267,7 @@ void RenderJob::sample_pixel(std::uint64_t index, Vector2i pixel, Vector2i pixel
     const Sensor& sensor = scene_.sensor();
     const auto x = static_cast<std::uint64_t>(pixel.x), y = static_cast<std::uint64_t>(pixel.y);
     const std::uint64_t half = index & 1;
-    SampleStream stream(sensor.sampler(), hash64({x, y, options_.seed, half}), index >> 1);
+    SampleStream stream(sensor.sampler(), hash64({x, y, options_.seed, half}), index);
     const Vector2 offset = filter_.place(stream.next_2d());
     const Vector2 u_lens = stream.next_2d();
     stream.jump_to(first_integrator_dimension);
