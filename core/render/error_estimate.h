@@ -2,7 +2,6 @@
 /// How noisy an image is, from two independent halves of its samples.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -55,9 +54,6 @@ struct ErrorEstimate {
     /// Part of relative_mse in pixels whose value comes from few bright samples.
     double rare = 0;
 
-    /// What a render that is to reach an error must get below it: `high`, but no more than a
-    /// quarter above the estimate, which heavy tails would put off without end.
-    double decisive() const { return std::min(high, 1.25 * relative_mse); }
     /// The error is known to an order of magnitude at most.
     bool vague() const { return high > 6 * low; }
 

@@ -277,8 +277,8 @@ TEST(FilmState, error_of_noise_is_not_limited) {
     EXPECT_LT(noise.estimate / noise.error, 1.5);
 }
 
-/// Probability that a sample meets the lamp of its pixel: of a dark picture with small lamps, one in
-/// 6 % of the pixels, between 1/50 and 1/5.
+/// Probability that a sample meets the lamp of its pixel, in a dark picture: 6 % of the pixels hold
+/// a lamp that is met with a probability between 1/50 and 1/5.
 double dark_or_lamp(std::size_t pixel) {
     Rng rng(8, pixel);
     const float is_lamp = rng.next_float(), size = rng.next_float();

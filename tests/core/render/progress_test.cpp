@@ -65,12 +65,5 @@ TEST(RenderFigures, J8_a_wide_interval_says_why) {
         << text;
 }
 
-TEST(ErrorEstimate, decides_by_the_interval_unless_it_is_wide) {
-    const ErrorEstimate narrow = {.relative_mse = 0.1, .low = 0.09, .high = 0.11};
-    const ErrorEstimate wide = {.relative_mse = 0.1, .low = 0.02, .high = 0.9};
-    EXPECT_DOUBLE_EQ(narrow.decisive(), 0.11);
-    EXPECT_DOUBLE_EQ(wide.decisive(), 0.125);
-}
-
 }  // namespace
 }  // namespace lucerna
