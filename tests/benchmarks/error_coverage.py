@@ -6,8 +6,8 @@
 
 Renders small pictures with many seeds, takes their relMSE against a long render, and compares it
 with what each render said of itself: the ratio estimate : truth (median, and the middle 80 %), and
-how many of the 95 % intervals hold the truth. Prints a table; one for each scene with --error,
-where renders end by themselves: how far the true error is from the one asked for.
+how many of the 95 % intervals hold the truth. Prints a table; with --error,
+renders end by themselves at that error.
 """
 import argparse
 import json
