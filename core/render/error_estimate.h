@@ -14,6 +14,11 @@ struct NoisyImage {
     /// halves, so |A − B| / 2 for equal ones: its square is an unbiased estimate v of the variance
     /// of m. NaN for pixels that lack a half; they are left out.
     std::vector<float> mean = {}, deviation = {};
+    /// One per pixel: Σ (w y)² / (Σ w)² over the luminances y and weights w of its samples. The
+    /// square of the pixel's luminance over this is its effective number of samples (Kish 1965).
+    std::vector<float> squares = {};
+    /// How many pixels beside its own a sample reaches, on each side.
+    int reach = 0;
     /// Σ ρ² over all pixels around, where ρ is the correlation of their noise with a pixel's: 1 if
     /// pixels are independent. Their squared errors are correlated by ρ².
     double correlation = 1;
@@ -25,21 +30,32 @@ struct NoisyImage {
 ///
 /// They do not change when the image is scaled (mse: with its square), and they see noise, not
 /// bias. μ² of a pixel is what relative_mse is most sensitive to: m² would be too large exactly
-/// where a rare bright sample makes v large, so that the estimate could never exceed one. Its
-/// unbiased estimate m² − v is used where noise is moderate. Where it is not, the mean of the 24
-/// pixels around, which does not depend on this pixel's noise, or m² if that is less.
+/// where a rare bright sample makes v large, so that the estimate could never exceed one.
 ///
-/// [low, high] is to hold the error of this very image with 95 %. It adds two things: by chance, v
-/// differs from the expected variance, and the squared error, as independent of v as the sum of two
-/// normal numbers is of their difference, does as much once more; and to `high`, what noisy μ² may
-/// hide: the part of the estimate that comes from pixels of relative variance v / m² counts 1 + v /
-/// m² times. Of bright samples that are too rare to have been drawn, nothing can be known.
+/// - Where noise is moderate, its unbiased estimate m² − v.
+/// - Where it is not, the mean of the pixels around that share no sample with this one, or m² if
+///   that is less.
+/// - A pixel that stands out from its surroundings by few bright samples may hold a small lamp, so
+///   that the surroundings say nothing about it, or the samples came by chance. All such pixels
+///   together tell how likely that is (event_rates.h); 1 / (μ² + ε) is averaged over the rates.
+///
+/// [low, high] is to hold the error of this very image with 95 %. It adds: by chance, v differs
+/// from the expected variance, and the squared error, as independent of v as the sum of two normal
+/// numbers is of their difference, does as much once more; what is not known of the rate of bright
+/// samples; and to `high`, what noisy μ² may hide: the part of the estimate that comes from pixels
+/// of relative variance v / m² counts 1 + 2 v / m² times. Of bright samples that are too rare to
+/// have been drawn, nothing can be known.
 struct ErrorEstimate {
     double mse = 0;
     double relative_mse = 0;
     double low = 0;
     double high = 0;
     double image_mean = 0;  ///< ⟨m⟩
+    /// Part of relative_mse in pixels whose value comes from few bright samples.
+    double rare = 0;
+
+    /// The error is known to an order of magnitude at most.
+    bool vague() const { return high > 6 * low; }
 
     /// Variance of the image over the square of its mean.
     double relative_variance() const { return mse / (image_mean * image_mean); }

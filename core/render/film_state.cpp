@@ -26,10 +26,11 @@ FilmState::FilmState(FilmLayout layout, std::uint64_t first_sample)
         sums_.resize(pixels * bin_count() * sum_count());
         weights_.resize(pixels * bin_count());
         counts_.resize(pixels * 2);
+        squares_.resize(pixels);
         dropped_.resize(pixels);
     } catch (const std::bad_alloc&) {
         const std::size_t bytes =
-            pixels * (bin_count() * (sum_count() * sizeof(ExactSum) + 8) + 12);
+            pixels * (bin_count() * (sum_count() * sizeof(ExactSum) + 8) + sizeof(ExactSum) + 12);
         throw Error(
             fmt::format("not enough memory for a film of {} × {} pixels and {} channels, "
                         "which needs {} MiB; render less of it with --crop",
@@ -74,6 +75,7 @@ void FilmState::add(const FilmTile& tile, Vector2i pixel) {
         if (bin.weight == 0 && bin.samples == 0) continue;
         const std::size_t k = bin_count() * i + b;
         weights_[k] += bin.weight;
+        squares_[i].add(bin.squares);
         ExactSum* sum = &sums_[k * sum_count()];
         for (int c = 0; c < 4; ++c) (sum++)->add(ExactSum{bin.color.high[c], bin.color.low[c]});
         for (const ExactSum& further : tile.further(in_tile, b)) (sum++)->add(further);
@@ -145,6 +147,7 @@ void FilmState::merge(const FilmState& next) {
     for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i].add(next.sums_[i]);
     for (std::size_t i = 0; i < weights_.size(); ++i) weights_[i] += next.weights_[i];
     for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += next.counts_[i];
+    for (std::size_t i = 0; i < squares_.size(); ++i) squares_[i].add(next.squares_[i]);
     for (std::size_t i = 0; i < dropped_.size(); ++i) dropped_[i] += next.dropped_[i];
 }
 
@@ -214,11 +217,20 @@ ImageFile FilmState::resolve(const CropWindow& window) const {
     return file;
 }
 
+/// The sum of the weights of all samples, in the unit of the squares.
+double FilmState::total_weight(std::size_t i) const {
+    const std::int64_t negative = bin_count() > 2 ? weight(i, {0, 2}, 1) : 0;
+    return static_cast<double>(weight(i, {0, 2}, 0) - negative) *
+           std::ldexp(1.0, -FilmTile::coarse_shift);
+}
+
 std::optional<ErrorEstimate> FilmState::error() const {
     NoisyImage image = {.width = layout_.crop.size.x,
                         .height = layout_.crop.size.y,
+                        .reach = layout_.reach,
                         .correlation = layout_.noise_correlation};
     image.mean.resize(3 * pixel_count());
+    image.squares.resize(pixel_count());
     image.deviation.resize(3 * pixel_count(), std::numeric_limits<float>::quiet_NaN());
     bool measurable = false;
     for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel) {
@@ -231,6 +243,7 @@ std::optional<ErrorEstimate> FilmState::error() const {
             continue;
         }
         measurable = true;
+        image.squares[pixel] = static_cast<float>(squares_[i].value() / sqr(total_weight(i)));
         // 1/2 for equal halves; else for variances in inverse proportion to the sizes.
         const double factor = std::sqrt(a * b) / (a + b);
         for (std::size_t c = 0; c < 3; ++c) {

@@ -96,10 +96,12 @@ public:
     std::size_t sum_count() const { return channel_count() + (layout_.unfiltered ? 3 : 0); }
     std::span<const ExactSum> sums() const { return sums_; }
     std::span<const std::int64_t> weights() const { return weights_; }
+    std::span<const ExactSum> squares() const { return squares_; }
     std::span<const std::uint32_t> counts() const { return counts_; }
     std::span<const std::uint32_t> dropped() const { return dropped_; }
     std::span<ExactSum> sums() { return sums_; }
     std::span<std::int64_t> weights() { return weights_; }
+    std::span<ExactSum> squares() { return squares_; }
     std::span<std::uint32_t> counts() { return counts_; }
     std::span<std::uint32_t> dropped() { return dropped_; }
 
@@ -117,6 +119,7 @@ private:
     /// Of a sampled pixel.
     double value(std::size_t i, Halves halves, std::size_t channel) const;
     std::int64_t weight(std::size_t i, Halves halves, std::size_t sign) const;
+    double total_weight(std::size_t i) const;
     std::uint64_t finite_samples(std::size_t i, Halves halves) const;
 
     FilmLayout layout_;
@@ -124,6 +127,7 @@ private:
     std::uint64_t first_sample_;
     std::vector<ExactSum> sums_;
     std::vector<std::int64_t> weights_;   ///< sums of their magnitudes, per pixel and bin
+    std::vector<ExactSum> squares_;       ///< FilmTile::Bin::squares, per pixel
     std::vector<std::uint32_t> counts_;   ///< finite samples, per pixel and half
     std::vector<std::uint32_t> dropped_;  ///< others, per pixel
 };

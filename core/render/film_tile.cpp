@@ -2,6 +2,7 @@
 #include "core/render/film_tile.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace lucerna {
@@ -13,6 +14,12 @@ bool all_finite(const PixelSample& sample) {
            std::isfinite(sample.alpha) &&
            std::all_of(sample.layers.begin(), sample.layers.end(),
                        [](float x) { return std::isfinite(x); });
+}
+
+/// The square of a number of which eight bits count: sums of such are exact over a wide range.
+double rounded_square(float x) {
+    const auto rounded = std::bit_cast<float>(std::bit_cast<std::uint32_t>(x) & 0xffff0000u);
+    return sqr(static_cast<double>(rounded));
 }
 
 }  // namespace
@@ -42,6 +49,7 @@ void FilmTile::add(const FilmSample& sample) {
     const FourDoubles color = {
         static_cast<double>(value.radiance.x), static_cast<double>(value.radiance.y),
         static_cast<double>(value.radiance.z), static_cast<double>(value.alpha)};
+    const double square = rounded_square(luminance(value.radiance));
     for (std::size_t y = 0; y < weights_y.size(); ++y) {
         for (std::size_t x = 0; x < weights_x.size(); ++x) {
             const std::int32_t weight = weights_x[x] * weights_y[y];
@@ -53,6 +61,8 @@ void FilmTile::add(const FilmSample& sample) {
             const std::int32_t magnitude = std::abs(weight);
             bins_[i].weight += magnitude;
             bins_[i].color.add(color * static_cast<double>(magnitude));
+            const std::int32_t coarse = magnitude >> coarse_shift;
+            if (coarse > 0) bins_[i].squares.add(square * sqr(static_cast<double>(coarse)));
             for (std::size_t k = 0; k < layer_count_; ++k) {
                 further_[i * further_count_ + k].add(static_cast<double>(value.layers[k]) *
                                                      static_cast<double>(magnitude));

@@ -40,8 +40,11 @@ public:
     static std::size_t bin_count(const ReconstructionFilter& filter) {
         return filter.negative_weight() > 0 ? 4 : 2;
     }
+    /// The bits of weights that squares leave out.
+    static constexpr int coarse_shift = 18;
     struct Bin {
         FourExactSums color;        ///< R, G, B and alpha, times weights
+        ExactSum squares;           ///< of luminances times weights without their last bits
         std::int64_t weight = 0;    ///< sum of the magnitudes of the weights
         std::uint32_t samples = 0;  ///< that belong to the pixel itself
         std::uint32_t dropped = 0;

@@ -173,7 +173,7 @@ void RenderJob::run_passes(const Pass& pass) {
         samples_ = plan.samples_done();
         finish_pass(plan);
         const bool exact_enough = error_ && error_samples_ == samples_ && options_.budget.error &&
-                                  error_->high <= *options_.budget.error;
+                                  error_->relative_mse <= *options_.budget.error;
         if (exact_enough && plan.at_error_check() && samples_ >= least_samples_for_error) break;
     }
     samples_ = state_.complete_samples();
@@ -304,9 +304,9 @@ double RenderJob::fraction(const RenderStatus& status) const {
         result = std::max(result, status.samples / all);
     }
     if (budget.seconds) result = std::max(result, status.seconds / std::max(*budget.seconds, 1e-9));
-    if (budget.error && error_ && error_->high > 0 && error_samples_ > 0) {
+    if (budget.error && error_ && error_->relative_mse > 0 && error_samples_ > 0) {
         const double gain = status.samples / static_cast<double>(error_samples_);
-        result = std::max(result, std::min(gain * *budget.error / error_->high, 0.99));
+        result = std::max(result, std::min(gain * *budget.error / error_->relative_mse, 0.99));
     }
     return std::min(result, 1.0);
 }

@@ -23,7 +23,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the order of words in a state file");
 static_assert(sizeof(ExactSum) == 16, "a sum is four words");
 
-constexpr int state_format = 2;
+constexpr int state_format = 3;
 constexpr const char* word_names[4] = {"high0", "high1", "low0", "low1"};
 
 /// Calls visit(name, first, stride) for every plane of the state in a fixed order: the plane's
@@ -43,6 +43,11 @@ void visit_planes(State& film, const Visit& visit) {
     visit("state.dropped", reinterpret_cast<Byte*>(film.dropped().data()), std::size_t{4});
     visit("state.even.samples", counts, std::size_t{8});
     visit("state.odd.samples", counts + 4, std::size_t{8});
+    auto* squares = reinterpret_cast<Byte*>(film.squares().data());
+    for (std::size_t word = 0; word < 4; ++word) {
+        visit(fmt::format("state.squares.{}", word_names[word]), squares + 4 * word,
+              sizeof(ExactSum));
+    }
     const std::size_t bins = film.bin_count();
     for (std::size_t bin = 0; bin < bins; ++bin) {
         const std::string name =

@@ -26,6 +26,7 @@ Json to_json(const std::optional<ErrorEstimate>& error) {
     Json json = Json::object();
     json.set("relative_mse", error->relative_mse);
     json.set("relative_mse_low", error->low).set("relative_mse_high", error->high);
+    json.set("relative_mse_rare", error->rare);
     json.set("mse", error->mse).set("image_mean", error->image_mean);
     return json;
 }
@@ -52,8 +53,14 @@ std::string figures_text(const RenderFigures& figures) {
     text +=
         fmt::format("; {} spp; {:.2f} Mrays/s", figures.samples, figures.rays_per_second() * 1e-6);
     if (!figures.error) return text + "; no error estimate from one sample per pixel";
-    return text + fmt::format("; relMSE {:.3g} (95 %: {:.3g} to {:.3g})",
-                              figures.error->relative_mse, figures.error->low, figures.error->high);
+    const ErrorEstimate& error = *figures.error;
+    text += fmt::format("; relMSE {:.3g} (95 %: {:.3g} to {:.3g}", error.relative_mse, error.low,
+                        error.high);
+    if (!error.vague()) return text + ")";
+    return text + fmt::format(
+                      "; not known better, since {:.0f} % of it is in pixels that few "
+                      "bright samples have reached)",
+                      100 * error.rare);
 }
 
 std::string figures_warnings(const RenderFigures& figures) {

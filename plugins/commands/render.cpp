@@ -65,8 +65,7 @@ void declare_how(Arguments& arguments, Request& request) {
     arguments.option("--time", "SECONDS", request.budget.seconds, positive,
                      "time to render, without loading and building");
     arguments.option("--error", "RELMSE", request.budget.error, positive,
-                     "renders until the estimated relative mean squared error is below this, with "
-                     "97.5 % confidence");
+                     "renders until the estimate of the relative mean squared error is below this");
     arguments.option("--checkpoint", "FILE", request.checkpoint,
                      "keeps the state of the render in this EXR file");
     arguments.option("--checkpoint-every", "SECONDS", request.checkpoint_seconds, positive,

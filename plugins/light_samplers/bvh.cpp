@@ -9,11 +9,13 @@
 ///
 ///   I = Φ cos θ' |cos θi'| / max(d², r),   θ' = max(0, θω − θo − θb),   θi' = max(0, θi − θb)
 ///
-/// and 0 if θ' exceeds the angle of emission. Lights at infinity share n∞ / (n∞ + 1) of the draws.
-/// Other than in pbrt, r is the squared radius of the box and not half its diagonal (the unit of
-/// length does not matter), θb is π inside of the sphere around the box, and trees may be 64 deep.
+/// and 0 if θ' exceeds the angle of emission; r is the radius of that sphere, a length, so that
+/// probabilities depend on the unit. Lights at infinity share n∞ / (n∞ + 1) of the draws. Bounds
+/// are rounded as pbrt's are (compact_bounds.h). Other than in pbrt, trees may be 64 deep, and a
+/// cosine is at least 10⁻⁵, so that rounding makes no light impossible.
 #include "core/interfaces/light_sampler.h"
 #include "core/scene/scene.h"
+#include "plugins/light_samplers/compact_bounds.h"
 #include "plugins/light_samplers/fine_bits.h"
 #include "plugins/light_samplers/light_tree.h"
 
@@ -33,13 +35,25 @@ public:
                                       float u) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;
     std::size_t bytes() const override {
-        return tree_.size() * sizeof(LightTree::Node) + paths_.capacity() * sizeof(std::uint64_t);
+        return tree_.size() * sizeof(Node) + paths_.capacity() * sizeof(std::uint64_t);
     }
 
 private:
     static constexpr std::uint64_t no_path = ~std::uint64_t{0};
 
-    float importance(const LightCluster& cluster, const Receiver& at) const;
+    /// A node of the tree, in the order of LightTree.
+    struct Node {
+        explicit Node(const LightTree::Node& node, const Bounds3& all);
+
+        Vector3 center{0};
+        float radius = 0;
+        Vector3 axis{0};
+        float cos_normals = 1, sin_normals = 0, cos_emission = 0, power = 0;
+        std::uint32_t link = 0;  ///< the second child; of a leaf, the light
+        bool leaf = false, two_sided = false;
+    };
+
+    float importance(const Node& node, const Receiver& at) const;
 
     /// Draws at each point that go to lights at infinity.
     float infinite_share() const {
@@ -48,11 +62,23 @@ private:
     }
 
     std::uint32_t draws_;
-    LightTree tree_;
+    std::vector<Node> tree_;
     float least_distance2_ = 1e-37f;  ///< of a point to a light
     std::vector<std::uint32_t> infinite_;
     std::vector<std::uint64_t> paths_;  ///< of each light of the scene
 };
+
+BVHLightSampler::Node::Node(const LightTree::Node& node, const Bounds3& all)
+    : link(node.link), leaf(node.leaf), two_sided(node.cluster.two_sided) {
+    const LightCluster cluster = compact(node.cluster, all);
+    center = cluster.box.center();
+    radius = cluster.box.radius();
+    axis = cluster.axis;
+    cos_normals = cluster.cos_normals;
+    sin_normals = safe_sqrt(1 - sqr(cos_normals));
+    cos_emission = cluster.cos_emission;
+    power = cluster.power;
+}
 
 /// pbrt counts a spot as if it shone in all directions as it does along its axis.
 float pbrt_power(const Light& light, const LightBounds& bounds) {
@@ -93,10 +119,14 @@ void BVHLightSampler::prepare(const Scene& scene) {
                                       .two_sided = bounds.two_sided},
                           .light = i});
     }
-    tree_ = LightTree(std::move(lights), Workers(scene.threads()));
-    const float size = tree_.empty() ? 0.0f : tree_[0].cluster.box.radius();
+    const LightTree tree(std::move(lights), Workers(scene.threads()));
+    tree_.clear();
+    tree_.reserve(tree.size());
+    for (std::uint32_t i = 0; i < tree.size(); ++i)
+        tree_.emplace_back(tree[i], tree[0].cluster.box);
+    const float size = tree_.empty() ? 0.0f : tree_[0].radius;
     least_distance2_ = std::max(sqr(1e-7f * size), 1e-37f);
-    tree_.for_each_path([&](std::uint32_t light, std::uint64_t path) { paths_[light] = path; });
+    tree.for_each_path([&](std::uint32_t light, std::uint64_t path) { paths_[light] = path; });
 }
 
 /// cos and sin of max(0, a − b).
@@ -107,30 +137,29 @@ float sin_of_difference(float sin_a, float cos_a, float sin_b, float cos_b) {
     return cos_a > cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
 }
 
-float BVHLightSampler::importance(const LightCluster& cluster, const Receiver& at) const {
-    const Vector3 d = at.p - cluster.box.center();
+float BVHLightSampler::importance(const Node& node, const Receiver& at) const {
+    const Vector3 d = at.p - node.center;
     const float distance2 = glm::dot(d, d);
-    const float radius = cluster.box.radius() + 4 * at.error;
-    const Vector3 w = distance2 > 0 ? d / std::sqrt(distance2) : cluster.axis;
+    const float radius = node.radius + 4 * at.error;
+    const Vector3 w = distance2 > 0 ? d / std::sqrt(distance2) : node.axis;
     const bool inside = distance2 <= sqr(radius);
     const float cos_b = inside ? -1.0f : safe_sqrt(1 - sqr(radius) / distance2);
     const float sin_b = inside ? 0.0f : radius / std::sqrt(distance2);
 
-    float cos_w = std::clamp(glm::dot(cluster.axis, w), -1.0f, 1.0f);
-    if (cluster.two_sided) cos_w = std::abs(cos_w);
+    float cos_w = std::clamp(glm::dot(node.axis, w), -1.0f, 1.0f);
+    if (node.two_sided) cos_w = std::abs(cos_w);
     const float sin_w = safe_sqrt(1 - sqr(cos_w));
-    const float sin_o = safe_sqrt(1 - sqr(cluster.cos_normals));
-    const float cos_x = cos_of_difference(sin_w, cos_w, sin_o, cluster.cos_normals);
-    const float sin_x = sin_of_difference(sin_w, cos_w, sin_o, cluster.cos_normals);
+    const float cos_x = cos_of_difference(sin_w, cos_w, node.sin_normals, node.cos_normals);
+    const float sin_x = sin_of_difference(sin_w, cos_w, node.sin_normals, node.cos_normals);
     const float cos_emitted = inside ? 1.0f : cos_of_difference(sin_x, cos_x, sin_b, cos_b);
-    if (cos_emitted <= cluster.cos_emission) return 0;
+    if (cos_emitted <= node.cos_emission) return 0;
 
     const float cos_i = std::min(std::abs(glm::dot(w, at.ns)), 1.0f);
     const float cos_incident =
         inside ? 1.0f : cos_of_difference(safe_sqrt(1 - sqr(cos_i)), cos_i, sin_b, cos_b);
     // Grazing light is weak, but rounding must not make it impossible.
-    return cluster.power * std::max(cos_emitted, 1e-5f) * std::max(cos_incident, 1e-5f) /
-           std::max(std::max(distance2, sqr(radius)), least_distance2_);
+    return node.power * std::max(cos_emitted, 1e-5f) * std::max(cos_incident, 1e-5f) /
+           std::max({distance2, node.radius, least_distance2_});
 }
 
 std::optional<LightChoice> BVHLightSampler::sample(const Receiver& at, std::uint32_t draw,
@@ -149,8 +178,8 @@ std::optional<LightChoice> BVHLightSampler::sample(const Receiver& at, std::uint
     float pmf = scale * (1 - infinite);
     std::uint32_t node = 0;
     while (!tree_[node].leaf) {
-        const float first = importance(tree_[node + 1].cluster, at);
-        const float second = importance(tree_[tree_[node].link].cluster, at);
+        const float first = importance(tree_[node + 1], at);
+        const float second = importance(tree_[tree_[node].link], at);
         if (!(first + second > 0)) return {};
         const float p = first / (first + second);
         const bool take_second = !(place < static_cast<double>(p));
@@ -167,7 +196,7 @@ std::optional<LightChoice> BVHLightSampler::sample(const Receiver& at, std::uint
         }
         place = std::min(place, 1 - 0x1p-53);
     }
-    if (node == 0 && !(importance(tree_[0].cluster, at) > 0)) return {};
+    if (node == 0 && !(importance(tree_[0], at) > 0)) return {};
     return LightChoice{tree_[node].link, pmf};
 }
 
@@ -182,15 +211,15 @@ float BVHLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
     float pmf = scale * (1 - infinite);
     std::uint32_t node = 0;
     while (!tree_[node].leaf) {
-        const float first = importance(tree_[node + 1].cluster, at);
-        const float second = importance(tree_[tree_[node].link].cluster, at);
+        const float first = importance(tree_[node + 1], at);
+        const float second = importance(tree_[tree_[node].link], at);
         if (!(first + second > 0)) return 0;
         const bool take_second = path & 1;
         pmf *= (take_second ? second : first) / (first + second);
         node = take_second ? tree_[node].link : node + 1;
         path >>= 1;
     }
-    if (node == 0 && !(importance(tree_[0].cluster, at) > 0)) return 0;
+    if (node == 0 && !(importance(tree_[0], at) > 0)) return 0;
     return pmf;
 }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
 
 namespace lucerna {
 namespace {
@@ -219,25 +220,22 @@ struct Calibration {
     int covered = 0;                 ///< films whose interval holds the error
 };
 
-constexpr std::size_t calibration_side = 16;
-constexpr int calibration_films = 200;
-
 /// A picture with an edge and a gradient, in light of which a part comes rarely: with probability p
 /// a sample is bright, and more pixels have a small p than a large one.
-Calibration calibrate(int samples, float rarest) {
-    const auto mean = [](std::size_t pixel) {
-        const std::size_t x = pixel % calibration_side, y = pixel / calibration_side;
+Calibration calibrate(int samples, float rarest, std::size_t side = 16, int films = 200) {
+    const auto mean = [&](std::size_t pixel) {
+        const std::size_t x = pixel % side, y = pixel / side;
         return (x < 6 ? 0.2f : 1.0f) * (1 + 0.05f * static_cast<float>(y));
     };
     const auto probability = [&](std::size_t pixel) {
         return pixel % 3 == 0 ? rarest : pixel % 3 == 1 ? 0.1f : 0.5f;
     };
     double image_mean = 0;
-    for (std::size_t i = 0; i < sqr(calibration_side); ++i) image_mean += double(mean(i));
-    image_mean /= static_cast<double>(sqr(calibration_side));
+    for (std::size_t i = 0; i < sqr(side); ++i) image_mean += double(mean(i));
+    image_mean /= static_cast<double>(sqr(side));
     Calibration result;
-    for (int f = 0; f < calibration_films; ++f) {
-        FilmState film(square_layout(static_cast<int>(calibration_side)));
+    for (int f = 0; f < films; ++f) {
+        FilmState film(square_layout(static_cast<int>(side)));
         Rng rng(6, static_cast<std::uint64_t>(f));
         double error = 0;
         for (std::size_t i = 0; i < film.pixel_count(); ++i) {
@@ -251,8 +249,8 @@ Calibration calibrate(int samples, float rarest) {
         }
         error /= static_cast<double>(film.pixel_count());
         const ErrorEstimate estimate = *film.error();
-        result.estimate += estimate.relative_mse / calibration_films;
-        result.error += error / calibration_films;
+        result.estimate += estimate.relative_mse / films;
+        result.error += error / films;
         result.covered += estimate.low <= error && error <= estimate.high;
     }
     return result;
@@ -262,21 +260,62 @@ TEST(FilmState, J8_error_interval_holds_the_error_of_the_image) {
     const Calibration clean = calibrate(512, 0.05f);
     EXPECT_LT(clean.error, 0.01);
     EXPECT_NEAR(clean.estimate / clean.error, 1, 0.02);
-    EXPECT_GT(clean.covered, 0.93 * calibration_films);
-    EXPECT_LT(clean.covered, 0.99 * calibration_films);
+    EXPECT_GT(clean.covered, 0.93 * 200);
+    EXPECT_LT(clean.covered, 0.99 * 200);
 
     const Calibration usual = calibrate(64, 0.01f);
     EXPECT_NEAR(usual.error, 0.15, 0.02);
     EXPECT_NEAR(usual.estimate / usual.error, 0.8, 0.05);  // known to be too low
-    EXPECT_GT(usual.covered, 0.9 * calibration_films);
+    EXPECT_GT(usual.covered, 0.9 * 200);
 }
 
 /// An image that is mostly noise has an error above one, and says so.
 TEST(FilmState, error_of_noise_is_not_limited) {
-    const Calibration noise = calibrate(16, 0.002f);
+    const Calibration noise = calibrate(16, 0.002f, 64, 20);
     EXPECT_GT(noise.error, 2);
     EXPECT_GT(noise.estimate / noise.error, 0.5);
     EXPECT_LT(noise.estimate / noise.error, 1.5);
+}
+
+/// Probability that a sample meets the lamp of its pixel, in a dark picture: 6 % of the pixels hold
+/// a lamp that is met with a probability between 1/50 and 1/5.
+double dark_or_lamp(std::size_t pixel) {
+    Rng rng(8, pixel);
+    const float is_lamp = rng.next_float(), size = rng.next_float();
+    return is_lamp < 0.06f ? 0.02 * std::pow(10.0, static_cast<double>(size)) : 0;
+}
+
+TEST(FilmState, J8_errors_of_small_lamps_are_known) {
+    constexpr int side = 64, samples = 32, films = 40;
+    constexpr float lamp = 100;
+    std::vector<double> mean;
+    for (std::size_t i = 0; i < sqr(side); ++i)
+        mean.push_back(0.1 + double(lamp) * dark_or_lamp(i));
+    const double image_mean = std::accumulate(mean.begin(), mean.end(), 0.0) / sqr(side);
+    std::vector<double> ratios;
+    int covered = 0;
+    for (std::uint64_t f = 0; f < films; ++f) {
+        FilmState film(square_layout(side));
+        Rng rng(9, f);
+        double error = 0;
+        for (std::size_t i = 0; i < film.pixel_count(); ++i) {
+            const double p = dark_or_lamp(i);
+            for (int k = 0; k < samples; ++k) {
+                const float dark = 0.2f * rng.next_float(), u = rng.next_float();
+                add_sample(film, i, grey_sample(dark + (double(u) < p ? lamp : 0)));
+            }
+            error += sqr(film.mean(i, 0) - mean[i]) / (sqr(mean[i]) + 0.01 * sqr(image_mean));
+        }
+        error /= sqr(side);
+        const ErrorEstimate estimate = *film.error();
+        ratios.push_back(estimate.relative_mse / error);
+        covered += estimate.low <= error && error <= estimate.high;
+        EXPECT_GT(estimate.rare, 0.5);
+    }
+    std::sort(ratios.begin(), ratios.end());
+    EXPECT_GT(ratios[films / 2], 0.67);
+    EXPECT_LT(ratios[films / 2], 1.5);
+    EXPECT_GE(covered, 34);
 }
 
 }  // namespace

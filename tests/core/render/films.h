@@ -122,6 +122,8 @@ inline bool same_bits(const FilmState& a, const FilmState& b) {
     };
     return a.layout() == b.layout() &&
            std::equal(a.sums().begin(), a.sums().end(), b.sums().begin(), b.sums().end(), equal) &&
+           std::equal(a.squares().begin(), a.squares().end(), b.squares().begin(),
+                      b.squares().end(), equal) &&
            std::equal(a.weights().begin(), a.weights().end(), b.weights().begin(),
                       b.weights().end()) &&
            std::equal(a.counts().begin(), a.counts().end(), b.counts().begin(), b.counts().end()) &&

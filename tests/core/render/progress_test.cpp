@@ -55,5 +55,15 @@ TEST(RenderFigures, one_line) {
     EXPECT_NE(to_json(figures).text().find("\"dropped_samples\": 3"), std::string::npos);
 }
 
+TEST(RenderFigures, J8_a_wide_interval_says_why) {
+    RenderFigures figures;
+    figures.error = ErrorEstimate{.relative_mse = 0.1, .low = 0.02, .high = 0.9, .rare = 0.75};
+    const std::string text = figures_text(figures);
+    EXPECT_NE(text.find("0.02 to 0.9; not known better, since 75 % of it is in pixels that few "
+                        "bright samples have reached)"),
+              std::string::npos)
+        << text;
+}
+
 }  // namespace
 }  // namespace lucerna

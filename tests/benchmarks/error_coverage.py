@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Are the errors that a render prints the true ones?
+
+    tests/benchmarks/error_coverage.py [--seeds 40] [--spp 32] [--lucerna PROGRAM] [SCENE …]
+
+Renders small pictures with many seeds, takes their relMSE against a long render, and compares it
+with what each render said of itself: the ratio estimate : truth (median, and the middle 80 %), and
+how many of the 95 % intervals hold the truth. Prints a table; with --error,
+renders end by themselves at that error.
+"""
+import argparse
+import json
+import os
+import random
+import statistics
+import subprocess
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+BVH = ["--set", "integrator.light_sampler=bvh"]
+SCENES = {  # options, samples of the reference
+    "cornell-box": ("cornell-box", ["--resolution", "64x64"], 8192),
+    "first": ("first", ["--resolution", "64x40"], 16384),
+    "city, cache": ("city", ["--resolution", "64x36"], 8192),
+    "city, bvh": ("city", ["--resolution", "64x36", *BVH], 8192),
+    "city, cache, 160 × 90": ("city", ["--resolution", "160x90"], 4096),
+    "city, bvh, 160 × 90": ("city", ["--resolution", "160x90", *BVH], 4096),
+    "city, street": ("city", ["--resolution", "64x36", "-D", "view=street"], 8192),
+    "bar": ("bar", ["--resolution", "64x36"], 4096),
+    "veach-mis": ("veach-mis", ["--resolution", "72x48"], 16384),
+    "caustics by path": ("caustics", ["--resolution", "64x40", "-D", "integrator=path"], 16384),
+    "small lamps, cache": ("lamps", [], 8192),
+    "small lamps, bvh": ("lamps", BVH, 8192),
+    "small lamps, box": ("lamps", ["--set", "sensor.film.rfilter=box"], 8192),
+}
+
+
+def lamps_scene():
+    """Blocks on a plane at night, and 150 visible lamps smaller than a pixel."""
+    rng = random.Random(3)
+    text = """<scene version="3.0.0">
+    <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+    <sensor type="perspective"><float name="fov" value="45"/>
+        <transform name="to_world">
+            <lookat origin="0, 8, 30" target="0, 2, 0" up="0, 1, 0"/>
+        </transform>
+        <sampler type="sobol"/>
+        <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="36"/>
+        </film>
+    </sensor>
+    <emitter type="constant"><rgb name="radiance" value="0.02, 0.03, 0.05"/></emitter>
+    <shape type="rectangle">
+        <transform name="to_world"><scale value="60"/><rotate x="1" angle="-90"/></transform>
+    </shape>
+"""
+    for _ in range(60):
+        x, z, h = rng.uniform(-20, 20), rng.uniform(-40, 15), rng.uniform(0.5, 3)
+        text += f"""<shape type="cube"><transform name="to_world">
+        <scale x="0.8" y="{h:.3f}" z="0.8"/><translate x="{x:.3f}" y="{h:.3f}" z="{z:.3f}"/>
+        </transform></shape>\n"""
+    for _ in range(150):
+        x, y, z = rng.uniform(-20, 20), rng.uniform(0.5, 7), rng.uniform(-40, 20)
+        text += f"""<shape type="sphere"><point name="center" x="{x:.3f}" y="{y:.3f}" z="{z:.3f}"/>
+        <float name="radius" value="0.04"/>
+        <emitter type="area"><rgb name="radiance" value="400, 300, 200"/></emitter></shape>\n"""
+    return text + "</scene>\n"
+
+
+class Runs:
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+        self.lamps = os.path.join(folder, "lamps.xml")
+        with open(self.lamps, "w", encoding="utf-8") as file:
+            file.write(lamps_scene())
+
+    def call(self, *arguments):
+        result = subprocess.run([self.program, *arguments, "--json"], check=True, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        return json.loads(result.stdout)
+
+    def render(self, scene, name, *arguments):
+        """The figures of a render, and its picture."""
+        folder, options, _ = SCENES[scene]
+        path = self.lamps if folder == "lamps" else f"{ROOT}/scenes/{folder}/scene.xml"
+        output = os.path.join(self.folder, name)
+        figures = self.call("render", path, "-q", "-o", output, *options, *arguments, "--set",
+                            "sensor.film.component_format=float32")["figures"]
+        return figures, output + ".exr"
+
+    def truth(self, picture, reference):
+        return self.call("diff", picture, reference)["finite_pixels"]["relative_mse"]
+
+
+def percentile(values, p):
+    return sorted(values)[min(int(p * len(values)), len(values) - 1)]
+
+
+def row(runs, scene, seeds, limit):
+    """Truth, estimate and coverage of a scene; `limit` are the options that end a render."""
+    _, reference = runs.render(scene, "reference", "--seed", "1000000", "--spp",
+                               str(SCENES[scene][2]))
+    truths, ratios, held, widths = [], [], 0, []
+    for seed in range(1, seeds + 1):
+        figures, picture = runs.render(scene, "picture", "--seed", str(seed), *limit)
+        error, truth = figures["error"], runs.truth(picture, reference)
+        low, high = error["relative_mse_low"], error["relative_mse_high"]
+        truths.append(truth)
+        ratios.append(error["relative_mse"] / truth)
+        widths.append(high / low)
+        held += low <= truth <= high
+    return (f"| {scene} | {statistics.median(truths):.3g} | {statistics.median(ratios):.2f} "
+            f"({percentile(ratios, 0.1):.2f} to {percentile(ratios, 0.9):.2f}) "
+            f"| {held} of {seeds} | {statistics.median(widths):.3g} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="some of: " + "; ".join(SCENES))
+    parser.add_argument("--seeds", type=int, default=40)
+    parser.add_argument("--spp", type=int, default=32)
+    parser.add_argument("--error", type=float, help="renders end at this error instead")
+    parser.add_argument("--lucerna", default=f"{ROOT}/build/release/bin/lucerna")
+    arguments = parser.parse_args()
+    limit = ["--spp", str(arguments.spp)]
+    if arguments.error:
+        limit = ["--error", str(arguments.error), "--spp", "65536"]
+    print("| scene | true relMSE | estimate : truth (80 %) | intervals that hold it | high : low |")
+    print("| --- | --- | --- | --- | --- |")
+    with tempfile.TemporaryDirectory() as folder:
+        runs = Runs(arguments.lucerna, folder)
+        for scene in arguments.scenes or SCENES:
+            print(row(runs, scene, arguments.seeds, limit), flush=True)
+
+
+if __name__ == "__main__":
+    main()
