@@ -227,7 +227,7 @@ double FilmState::total_weight(std::size_t i) const {
 std::optional<ErrorEstimate> FilmState::error() const {
     NoisyImage image = {.width = layout_.crop.size.x,
                         .height = layout_.crop.size.y,
-                        .reach = layout_.reach,
+                        .reach = layout_.reach + layout_.block - 1,
                         .correlation = layout_.noise_correlation};
     image.mean.resize(3 * pixel_count());
     image.squares.resize(pixel_count());
