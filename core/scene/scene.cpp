@@ -47,18 +47,6 @@ void fill_through_instance(const SceneHit& met, const Ray& ray, Interaction& at)
     if (world_from_group.swaps_handedness()) at.shading.t = glm::cross(at.shading.n, at.shading.s);
 }
 
-/// Interpolated normals can turn away from a viewer who sees the surface. They are bent back just
-/// so far that the viewer is above the shading horizon, else silhouettes would be black.
-void keep_viewer_above(Interaction& at, Vector3 wo) {
-    const float geometric = glm::dot(wo, at.n);
-    const float shading = glm::dot(wo, at.shading.n);
-    if (geometric * shading > 0 || geometric == 0) return;
-    constexpr float least_cosine = 1e-3f;
-    const float wanted = geometric > 0 ? least_cosine : -least_cosine;
-    const Vector3 n = glm::normalize(at.shading.n + (wanted - shading) * wo);
-    at.shading = Frame::from_normal_tangent(n, at.shading.s);
-}
-
 }  // namespace
 
 Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
@@ -125,7 +113,6 @@ bool Scene::fill(const Ray& ray, const SceneHit& met, Interaction& at) const {
         ++thread_ray_statistics().rejected;
         return false;
     }
-    keep_viewer_above(at, -ray.d);
     return true;
 }
 

@@ -52,25 +52,22 @@ Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, V
                                     SampleStream& stream) const {
     const Vector2 u_lobe = stream.next_2d();
     const Vector2 u = stream.next_2d();
-    const BSDF& bsdf = *at.shape->bsdf();
-    const std::optional<BSDFSample> next =
-        bsdf.sample(at, at.to_local(wo), u_lobe.x, u, TransportMode::radiance);
-    if (!next || is_black(next->weight)) return Color(0);
-    const Vector3 wi = next->lobe == Lobe::null ? -wo : at.to_world(next->wi);
-    if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) return Color(0);
-
-    const Receiver receiver = at.receiver(wo, bsdf.sides());
+    const std::optional<ScatteredRay> next = scatter(at, wo, u_lobe.x, u);
+    if (!next) return Color(0);
+    const BSDFSample& sample = next->sample;
+    const Vector3 wi = next->ray.d;
+    const Receiver receiver = at.receiver(wo, at.shape->bsdf()->sides());
     const auto mis_weight = [&](float density) {
-        return next->specular() ? 1.0f
-                                : power_heuristic(static_cast<float>(bsdf_samples_) * next->pdf,
-                                                  static_cast<float>(emitter_samples_) * density);
+        return sample.specular() ? 1.0f
+                                 : power_heuristic(static_cast<float>(bsdf_samples_) * sample.pdf,
+                                                   static_cast<float>(emitter_samples_) * density);
     };
-    const std::optional<Interaction> hit = scene.intersect(at.spawn_ray(wi));
+    const std::optional<Interaction> hit = scene.intersect(next->ray);
     if (hit) {
         if (!hit->shape->emitter()) return Color(0);
         const Color radiance = hit->shape->emitter()->radiance(*hit, -wi);
         if (is_black(radiance)) return radiance;
-        return next->weight * radiance *
+        return sample.weight * radiance *
                mis_weight(light_density(light_sampler_, scene, receiver, wi, *hit));
     }
     Color sum(0);
@@ -78,7 +75,7 @@ Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, V
         const Light& light = scene.lights()[i];
         const float density =
             light_sampler_.pmf(receiver, i) * light.emitter->pdf_li(light, receiver, wi, nullptr);
-        sum += next->weight * light.emitter->environment(wi) * mis_weight(density);
+        sum += sample.weight * light.emitter->environment(wi) * mis_weight(density);
     }
     return sum;
 }
@@ -96,13 +93,11 @@ void DirectIntegrator::sample(const Scene& scene, const Ray& ray, SampleStream& 
         result.radiance = at->shape->emitter()->radiance(*at, wo);
     }
     const BSDF& bsdf = *at->shape->bsdf();
-    if (any(bsdf.lobes() & smooth_lobes)) {
-        for (int i = 0; i < emitter_samples_; ++i) {
-            const auto passes = static_cast<float>(emitter_samples_);
-            result.radiance += sample_lights(scene, light_sampler_, bsdf, *at, wo, passes,
-                                             static_cast<float>(bsdf_samples_), stream) /
-                               passes;
-        }
+    for (int i = 0; i < emitter_samples_; ++i) {
+        const auto passes = static_cast<float>(emitter_samples_);
+        result.radiance += sample_lights(scene, light_sampler_, bsdf, *at, wo, passes,
+                                         static_cast<float>(bsdf_samples_), stream) /
+                           passes;
     }
     for (int i = 0; i < bsdf_samples_; ++i) {
         result.radiance += sample_bsdf(scene, *at, wo, stream) / static_cast<float>(bsdf_samples_);

@@ -2,9 +2,9 @@
 /// What the path-like integrators share: next event estimation and its weights.
 #pragma once
 
-#include "core/interfaces/bsdf.h"
 #include "core/interfaces/light_sampler.h"
 #include "core/interfaces/sampler.h"
+#include "core/scene/scatter.h"
 #include "core/scene/scene.h"
 
 namespace lucerna {
@@ -26,12 +26,6 @@ inline float power_heuristic(float a, float b) {
 /// albedo / limit at a step has infinite variance if albedo² > limit: only above 0.9995.
 inline float survival_probability(Color beta, float eta2) {
     return std::min(max_component(beta) * eta2, 0.999f);
-}
-
-/// False where the shading normal and the geometric normal disagree about the side of `wi`:
-/// light must not leak through a surface because its normals are smooth (Veach 1997, 5.3).
-inline bool same_side(const Interaction& at, Vector3 wi, Vector3 wi_local) {
-    return glm::dot(wi, at.n) * cos_theta(wi_local) > 0;
 }
 
 /// Density with which `draws` of light sampling from `from` choose the direction `wi`, at the end
@@ -98,13 +92,15 @@ struct LitSurface {
     Lobe lobes;
     Vector3 wo_local;
     Receiver receiver;
+    bool samples_lights;  ///< false: what light sampling finds is not scattered towards wo
 
     LitSurface(const Interaction& interaction, const BSDF& material, Vector3 wo)
         : at(interaction),
           bsdf(material),
           lobes(material.lobes()),
           wo_local(interaction.to_local(wo)),
-          receiver(interaction.receiver(wo, sides(lobes))) {}
+          receiver(interaction.receiver(wo, sides(lobes))),
+          samples_lights(any(lobes & smooth_lobes) && same_side(interaction, wo, wo_local)) {}
 };
 
 /// Draw number `draw` at many points. If the lights do not fit into the nearest cache, what
@@ -156,6 +152,7 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
                            const Interaction& at, Vector3 wo, float passes, float bsdf_samples,
                            SampleStream& stream) {
     const LitSurface surface(at, bsdf, wo);
+    if (!surface.samples_lights) return Color(0);
     ColorD sum(0);  // in double: there may be a million draws
     LightEstimate estimate;
     for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {

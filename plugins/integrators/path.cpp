@@ -134,14 +134,13 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
         path->u_lobe_and_roulette = stream.next_2d();
         path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
         path->direct = ColorD(0);  // in double: there may be a million draws
-        const bool smooth = any(path->surface->lobes & smooth_lobes);
-        if (depth == 0 && !smooth) path->kept = nullptr;
+        if (depth == 0 && !path->surface->samples_lights) path->kept = nullptr;
         if (path->kept && depth < 2) keep_vertex(*path, depth);
     }
     Paths lit, asking;
     lit.reserve(paths.size());
     for (Path* path : paths) {
-        if (any(path->surface->lobes & smooth_lobes)) asking.push_back(path);
+        if (path->surface->samples_lights) asking.push_back(path);
     }
     std::vector<LightQuery> queries(asking.size());
     for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
@@ -176,21 +175,19 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
 bool PathIntegrator::scatter(Path& path, int depth) const {
     const Interaction& at = *path.hit;
     const LitSurface& surface = *path.surface;
-    const std::optional<BSDFSample> next =
-        surface.bsdf.sample(at, surface.wo_local, path.u_lobe_and_roulette.x, path.u_direction,
-                            TransportMode::radiance);
-    if (!next || is_black(next->weight)) return false;
-    const Vector3 wi = next->lobe == Lobe::null ? path.ray.d : at.to_world(next->wi);
-    if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) return false;
-    path.beta *= next->weight;
+    const std::optional<ScatteredRay> next =
+        lucerna::scatter(at, -path.ray.d, path.u_lobe_and_roulette.x, path.u_direction);
+    if (!next) return false;
+    const BSDFSample& sample = next->sample;
+    path.beta *= sample.weight;
     if (is_black(path.beta)) return false;  // underflow: nothing that follows can be seen
-    path.eta2 *= sqr(next->eta);
+    path.eta2 *= sqr(sample.eta);
     path.before.receiver = surface.receiver;
-    path.before.pdf = next->pdf;
-    path.before.specular = next->specular();
-    path.ray = at.spawn_ray(wi);
-    path.beta_from_second *= next->weight;
-    if (path.kept && depth < 2) leave_kept_vertex(path, *next, depth);
+    path.before.pdf = sample.pdf;
+    path.before.specular = sample.specular();
+    path.ray = next->ray;
+    path.beta_from_second *= sample.weight;
+    if (path.kept && depth < 2) leave_kept_vertex(path, sample, depth);
     const bool roulette = depth + 1 >= rr_depth_ && (depth > 0 || !path.kept);
     return !roulette || survive(path);
 }

@@ -57,10 +57,6 @@ struct Junction {
     Vector3 wo_local;   ///< at the second vertex, to the first
 };
 
-/// Interpolated normals may have been bent towards whoever met the surface with a smaller cosine
-/// (Scene::intersect): others see another frame.
-inline constexpr float least_shared_cosine = 2e-3f;
-
 /// Joins `from.first` to `to.second`, a path to itself without a shadow ray.
 inline Junction join(const Scene& scene, const ReusablePath& from, const ReusablePath& to) {
     const LitSurface& x = *from.first;
@@ -77,8 +73,7 @@ inline Junction join(const Scene& scene, const ReusablePath& from, const Reusabl
         result.transfer = to.to_second.weight * result.density;
         return result;
     }
-    const bool same_face = glm::dot(wi, y.receiver.n) < 0 && result.wo_local.z * y.wo_local.z > 0 &&
-                           std::abs(result.wo_local.z) > least_shared_cosine;
+    const bool same_face = glm::dot(wi, y.receiver.n) < 0 && result.wo_local.z * y.wo_local.z > 0;
     const Vector3 wi_local = x.at.to_local(wi);
     if (!same_face || !same_side(x.at, wi, wi_local)) return result;
     const BSDFValue value = x.bsdf.evaluate(x.at, x.wo_local, wi_local, TransportMode::radiance);
@@ -104,8 +99,7 @@ inline void reuse(const Scene& scene, std::span<const ReusablePath> block, std::
     if (!next && path.lights.empty()) return;
 
     Junction own = join(scene, path, path);
-    const bool shared =
-        std::abs(y.wo_local.z) > least_shared_cosine && is_usable_density(own.density);
+    const bool shared = is_usable_density(own.density);
     if (!shared) own = {.transfer = path.to_second.weight, .density = 1, .wo_local = y.wo_local};
     constexpr std::size_t most = 256;
     Junction junctions[most];

@@ -91,22 +91,21 @@ void CameraWalk::operator()(Ray ray, SampleStream& stream, PixelSample& result,
         if (gathers) {
             result.radiance += beta * gather(at, wo, edges);
             if (!any(bsdf.lobes() & delta_lobes)) return;
-        } else if (settings_.lights && any(bsdf.lobes() & smooth_lobes)) {
+        } else if (settings_.lights) {
             result.radiance +=
                 beta * sample_lights(scene_, light_sampler_, bsdf, at, wo, 1, 1, stream);
         }
-        const std::optional<BSDFSample> next = bsdf.sample(
-            at, at.to_local(wo), u_lobe_and_roulette.x, u_direction, TransportMode::radiance);
-        if (!next || is_black(next->weight)) return;
-        if (gathers && !next->specular()) return;  // has been gathered
-        const Vector3 wi = next->lobe == Lobe::null ? ray.d : at.to_world(next->wi);
-        if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) return;
-        beta *= next->weight;
-        eta2 *= sqr(next->eta);
+        const std::optional<ScatteredRay> next =
+            scatter(at, wo, u_lobe_and_roulette.x, u_direction);
+        if (!next) return;
+        const BSDFSample& sample = next->sample;
+        if (gathers && !sample.specular()) return;  // has been gathered
+        beta *= sample.weight;
+        eta2 *= sqr(sample.eta);
         vertex = {.receiver = at.receiver(wo, bsdf.sides()),
-                  .pdf = next->pdf,
-                  .specular = next->specular()};
-        ray = at.spawn_ray(wi);
+                  .pdf = sample.pdf,
+                  .specular = sample.specular()};
+        ray = next->ray;
 
         if (edges >= 5) {
             const float survival = survival_probability(beta, eta2);

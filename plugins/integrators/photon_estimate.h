@@ -6,7 +6,7 @@
 /// There is no cosine: the power of photons per area is irradiance already.
 #pragma once
 
-#include "core/interfaces/bsdf.h"
+#include "core/scene/scatter.h"
 #include "plugins/integrators/photon_map.h"
 
 #include <array>
@@ -169,7 +169,7 @@ inline Color radiance_nearest(const PhotonMap& map, const PhotonLookup& lookup,
 
 inline Color photon_radiance(const PhotonMap& map, const PhotonLookup& lookup, const BSDF& bsdf,
                              const Interaction& at, Vector3 wo) {
-    if (map.photons().empty()) return Color(0);
+    if (map.photons().empty() || !same_side(at, wo, at.to_local(wo))) return Color(0);
     const PhotonReceiver receiver(bsdf, at, wo);
     return lookup.count > 0 ? radiance_nearest(map, lookup, receiver)
                             : radiance_within(map, lookup, receiver);

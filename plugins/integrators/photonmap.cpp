@@ -205,24 +205,20 @@ Color PhotonMapIntegrator::gather_ray(const Scene& scene, const Maps& maps, Inte
     Color sum(0), beta(1);
     bool may_be_smooth = true, may_be_specular = false;
     while (edges + 1 < limits_.max_depth) {
-        const BSDF& bsdf = *at.shape->bsdf();
         const Vector2 u = stream.next_2d();
         const Vector2 u_lobe_and_roulette = stream.next_2d();
-        const auto next =
-            bsdf.sample(at, at.to_local(wo), u_lobe_and_roulette.x, u, TransportMode::radiance);
-        if (!next || !(next->specular() ? may_be_specular : may_be_smooth)) break;
-        const Vector3 wi = next->lobe == Lobe::null ? -wo : at.to_world(next->wi);
-        if (next->lobe != Lobe::null && !same_side(at, wi, next->wi)) break;
-        beta *= next->weight;
+        const std::optional<ScatteredRay> next = scatter(at, wo, u_lobe_and_roulette.x, u);
+        if (!next || !(next->sample.specular() ? may_be_specular : may_be_smooth)) break;
+        beta *= next->sample.weight;
         if (++edges > 8) {
             const float survival = survival_probability(beta, 1);
             if (!(u_lobe_and_roulette.y < survival)) break;
             beta /= survival;
         }
-        const std::optional<Interaction> hit = scene.intersect(at.spawn_ray(wi));
+        const std::optional<Interaction> hit = scene.intersect(next->ray);
         if (!hit) break;
         at = *hit;
-        wo = -wi;
+        wo = -next->ray.d;
         const BSDF& there = *at.shape->bsdf();
         may_be_smooth = may_be_specular = true;
         if (!stores_photons(there)) continue;

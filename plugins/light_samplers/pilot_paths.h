@@ -2,10 +2,10 @@
 /// Where light sampling will take place: points on paths from the camera, traced before rendering.
 #pragma once
 
-#include "core/interfaces/bsdf.h"
 #include "core/interfaces/sensor.h"
 #include "core/math/sequences.h"
 #include "core/render/parallel.h"
+#include "core/scene/scatter.h"
 #include "core/scene/scene.h"
 
 #include <vector>
@@ -54,12 +54,10 @@ inline std::vector<Receiver> pilot_path(const Scene& scene, const PilotPaths& pi
         if (any(bsdf.lobes() & smooth_lobes)) result.push_back(at->receiver(wo, bsdf.sides()));
         const float u_lobe = rng.next_float();
         const Vector2 u = rng.next_float2();
-        const auto next = bsdf.sample(*at, at->to_local(wo), u_lobe, u, TransportMode::radiance);
-        if (!next || is_black(next->weight)) break;
-        const Vector3 wi = next->lobe == Lobe::null ? ray.d : at->to_world(next->wi);
-        if (!is_finite(wi)) break;
-        if (!next->specular()) ++bounces;
-        ray = at->spawn_ray(wi);
+        const std::optional<ScatteredRay> next = scatter(*at, wo, u_lobe, u);
+        if (!next) break;
+        if (!next->sample.specular()) ++bounces;
+        ray = next->ray;
     }
     return result;
 }

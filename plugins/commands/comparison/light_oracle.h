@@ -19,11 +19,11 @@
 /// Thompson 1952); where a sum is squared, what that adds, Σ (1 / q − 1) x² / q, is taken away.
 #pragma once
 
-#include "core/interfaces/bsdf.h"
 #include "core/interfaces/light_sampler.h"
 #include "core/interfaces/sensor.h"
 #include "core/math/sequences.h"
 #include "core/render/parallel.h"
+#include "core/scene/scatter.h"
 #include "core/scene/scene.h"
 
 #include <algorithm>
@@ -77,13 +77,11 @@ inline std::optional<OraclePoint> oracle_point(const Scene& scene, int bounces, 
         if (bounces == 0 && any(bsdf.lobes() & smooth_lobes)) return OraclePoint{*at, wo};
         const float u_lobe = rng.next_float();
         const Vector2 u = rng.next_float2();
-        const auto next = bsdf.sample(*at, at->to_local(wo), u_lobe, u, TransportMode::radiance);
-        if (!next || is_black(next->weight)) return {};
-        const Vector3 wi = next->lobe == Lobe::null ? ray.d : at->to_world(next->wi);
-        if (!is_finite(wi)) return {};
-        if (!next->specular()) --bounces;
+        const std::optional<ScatteredRay> next = scatter(*at, wo, u_lobe, u);
+        if (!next) return {};
+        if (!next->sample.specular()) --bounces;
         if (bounces < 0) return {};
-        ray = at->spawn_ray(wi);
+        ray = next->ray;
     }
     return {};
 }
@@ -201,9 +199,9 @@ private:
         if (!to || !(to->pdf > 0) || is_black(to->radiance)) return 0;
         const Interaction& at = point.at;
         const Vector3 wi = at.to_local(to->wi);
-        if (!(glm::dot(to->wi, at.n) * wi.z > 0)) return 0;  // normals disagree about the side
-        const Color f =
-            at.shape->bsdf()->evaluate(at, at.to_local(point.wo), wi, TransportMode::radiance).f;
+        const Vector3 wo = at.to_local(point.wo);
+        if (!same_side(at, point.wo, wo) || !same_side(at, to->wi, wi)) return 0;
+        const Color f = at.shape->bsdf()->evaluate(at, wo, wi, TransportMode::radiance).f;
         const double value =
             static_cast<double>(luminance(f * to->radiance)) * std::abs(double(wi.z)) / to->pdf;
         if (!(value > 0) || !std::isfinite(value)) return 0;
