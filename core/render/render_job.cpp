@@ -50,8 +50,8 @@ FilmLayout film_layout(const Scene& scene) {
             .block = block,
             .reach = filter.reach(),
             .negative_weight = filter.negative_weight(),
-            // As if all pixels of a block had the same noise.
-            .noise_correlation = filter.noise_correlation() * block * block};
+            // Pixels of a block may all have the same noise.
+            .noise_correlation = filter.noise_correlation() + block * block - 1};
 }
 
 RenderJob::RenderJob(const Scene& scene, RenderOptions options, FilmState film)

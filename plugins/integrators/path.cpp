@@ -2,8 +2,9 @@
 /// path: unidirectional path tracing (Kajiya 1986) with next event estimation, multiple importance
 /// sampling (Veach 1997, 9) and Russian roulette.
 ///
-/// Pixels share their paths (path_reuse.h): noise then falls as if each had many more. Finds all light but what reaches the eye only through a specular surface from a delta light,
-/// and finds caustics of small lights slowly: that is what photon mapping is for.
+/// Neighbouring pixels share their paths behind the second vertex (path_reuse.h). Finds all light
+/// but what reaches the eye only through a specular surface from a delta light, and finds caustics
+/// of small lights slowly: that is what photon mapping is for.
 #include "plugins/integrators/path_reuse.h"
 
 #include <limits>

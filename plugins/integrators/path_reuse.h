@@ -44,7 +44,7 @@ struct ReusablePath {
     BSDFSample to_second;                     ///< drawn at the first vertex; never a delta lobe
     std::vector<ReusedLight> lights;          ///< that are not blocked
     Vector3 next_local{0};      ///< direction in which the path leaves the second vertex
-    Color next_f_cosine{0};     ///< f |cos θ| there
+    Color next_f_cosine{0};     ///< f |cos θ| there [1/sr]
     float next_pdf = 0;         ///< [1/sr]; 0: by a delta lobe, or nowhere
     Color next_radiance{0};     ///< that arrives from there, but for emission
     Color* radiance = nullptr;  ///< of the camera sample
@@ -52,9 +52,12 @@ struct ReusablePath {
 
 /// How a first vertex is joined to a second one.
 struct Junction {
-    Color transfer{0};  ///< f |cos θ_x| |cos θ_y| / d² [1/(sr m²)]
-    float density = 0;  ///< [1/m²]; 0: not joined
-    Vector3 wo_local;   ///< at the second vertex, to the first
+    Color transfer{0};       ///< f |cos θ_x| |cos θ_y| / d² [1/(sr m²)]
+    float density = 0;       ///< [1/m²]; 0: not joined
+    Vector3 wo_local;        ///< at the second vertex, to the first
+    Color next_f_cosine{0};  ///< for the direction in which the path goes on
+    float next_pdf = 0;      ///< of that direction [1/sr]
+    std::size_t path = 0;    ///< of the block, whose first vertex it is
 };
 
 /// Joins `from.first` to `to.second`, a path to itself without a shadow ray.
@@ -91,53 +94,74 @@ inline Junction join(const Scene& scene, const ReusablePath& from, const Reusabl
     return result;
 }
 
-/// Adds what path `j` of the block finds to all that its second vertex can be joined to.
-inline void reuse(const Scene& scene, std::span<const ReusablePath> block, std::size_t j) {
+/// All first vertices of the block from which the second vertex of path `j` is seen.
+inline void join_block(const Scene& scene, std::span<const ReusablePath> block, std::size_t j,
+                       std::vector<Junction>& junctions) {
     const ReusablePath& path = block[j];
     const LitSurface& y = *path.second;
-    const bool next = path.next_pdf > 0 && !is_black(path.next_radiance);
-    if (!next && path.lights.empty()) return;
-
+    junctions.clear();
     Junction own = join(scene, path, path);
     const bool shared = is_usable_density(own.density);
-    if (!shared) own = {.transfer = path.to_second.weight, .density = 1, .wo_local = y.wo_local};
-    constexpr std::size_t most = 256;
-    Junction junctions[most];
-    BSDFValue continued[most];
-    float density = 0, next_density = 0;
-    for (std::size_t k = 0; k < block.size(); ++k) {
-        if (k != j && (!shared || !block[k].first)) continue;
-        junctions[k] = k == j ? own : join(scene, block[k], path);
-        if (!(junctions[k].density > 0)) continue;
-        density += junctions[k].density;
-        if (!next) continue;
-        continued[k] = k == j ? BSDFValue{.f = path.next_f_cosine, .pdf = path.next_pdf}
-                              : y.bsdf.evaluate(y.at, junctions[k].wo_local, path.next_local,
-                                                TransportMode::radiance);
-        if (k != j) continued[k].f *= abs_cos_theta(path.next_local);
-        next_density += junctions[k].density * continued[k].pdf;
+    if (!shared) {
+        own.transfer = path.to_second.weight;
+        own.density = 1;
     }
+    own.next_f_cosine = path.next_f_cosine;
+    own.next_pdf = path.next_pdf;
     for (std::size_t k = 0; k < block.size(); ++k) {
-        const Junction& junction = junctions[k];
-        if (!(junction.density > 0)) continue;
-        Color sum(0);
-        for (const ReusedLight& light : path.lights) {
-            const BSDFValue value = k == j
-                                        ? light.own
-                                        : y.bsdf.evaluate(y.at, junction.wo_local, light.wi_local,
-                                                          TransportMode::radiance);
-            const float weight = light.delta ? 1 : power_heuristic(light.density, value.pdf);
-            sum += value.f * light.irradiance * (weight / density);
+        if (k == j) {
+            own.path = j;
+            junctions.push_back(own);
+        } else if (shared && block[k].first) {
+            Junction junction = join(scene, block[k], path);
+            if (!(junction.density > 0)) continue;
+            junction.path = k;
+            if (path.next_pdf > 0) {
+                const BSDFValue next = y.bsdf.evaluate(y.at, junction.wo_local, path.next_local,
+                                                       TransportMode::radiance);
+                junction.next_f_cosine = next.f * abs_cos_theta(path.next_local);
+                junction.next_pdf = next.pdf;
+            }
+            junctions.push_back(junction);
         }
-        if (next && next_density > 0) sum += continued[k].f * path.next_radiance / next_density;
-        *block[k].radiance += junction.transfer * sum;
     }
+}
+
+/// Light of the light samples that the second vertex of a path reflects to a first one.
+inline Color reflected_lights(const ReusablePath& path, const Junction& junction, bool own) {
+    const LitSurface& y = *path.second;
+    Color sum(0);
+    for (const ReusedLight& light : path.lights) {
+        const BSDFValue value =
+            own ? light.own
+                : y.bsdf.evaluate(y.at, junction.wo_local, light.wi_local, TransportMode::radiance);
+        const float weight = light.delta ? 1 : power_heuristic(light.density, value.pdf);
+        sum += value.f * light.irradiance * weight;
+    }
+    return sum;
 }
 
 /// Adds to all samples of a block what their paths find behind the second vertices.
 inline void reuse_paths(const Scene& scene, std::span<const ReusablePath> block) {
+    std::vector<Junction> junctions;
+    junctions.reserve(block.size());
     for (std::size_t j = 0; j < block.size(); ++j) {
-        if (block[j].second) reuse(scene, block, j);
+        const ReusablePath& path = block[j];
+        const bool goes_on = path.next_pdf > 0 && !is_black(path.next_radiance);
+        if (!path.second || (path.lights.empty() && !goes_on)) continue;
+        join_block(scene, block, j, junctions);
+        float density = 0, next_density = 0;
+        for (const Junction& junction : junctions) {
+            density += junction.density;
+            next_density += junction.density * junction.next_pdf;
+        }
+        for (const Junction& junction : junctions) {
+            Color sum = reflected_lights(path, junction, junction.path == j) / density;
+            if (goes_on && next_density > 0) {
+                sum += junction.next_f_cosine * path.next_radiance / next_density;
+            }
+            *block[junction.path].radiance += junction.transfer * sum;
+        }
     }
 }
 

@@ -25,7 +25,6 @@ public:
                 uint_to_float(static_cast<std::uint32_t>(x))};
     }
 
-
 private:
     std::uint64_t bits(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension) const {
         return hash_combine(key(sequence, dimension), index);

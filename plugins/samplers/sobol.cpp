@@ -23,28 +23,47 @@ std::uint32_t shuffled_index(std::uint32_t sample, std::uint32_t seed) {
     return i | ((sample ^ parity) & 1);
 }
 
-/// Scrambled by hashes of the group's and the pair's number.
-SobolPoint scrambled_point(std::uint32_t order, std::uint64_t group, std::uint32_t pair) {
-    const std::uint64_t h = mix64(group + pair * 0x9e3779b97f4a7c15u);
-    const auto first = static_cast<std::uint32_t>(h), second = static_cast<std::uint32_t>(h >> 32);
-    return {reverse_bits(laine_karras_permutation(order, first)),
-            reverse_bits(laine_karras_permutation(multiply_by_pascal(order), second))};
+/// The same columns side by side for all pairs, as vectors of eight.
+struct ColumnsOfPairs {
+    std::uint32_t of[sobol_order_columns][sobol_pairs] = {};
+
+    constexpr ColumnsOfPairs() {
+        for (std::uint32_t bit = 0; bit < sobol_order_columns; ++bit) {
+            for (std::uint32_t k = 0; k < sobol_pairs; ++k) of[bit][k] = sobol_orders[k][bit];
+        }
+    }
+};
+alignas(32) constexpr ColumnsOfPairs columns;
+
+/// Mixes 32 bits, a bijection (Wellons 2018, "Prospecting for Hash Functions": lowbias32).
+[[gnu::always_inline]] inline std::uint32_t mix32(std::uint32_t x) {
+    x = (x ^ (x >> 16)) * 0x7feb352du;
+    x = (x ^ (x >> 15)) * 0x846ca68bu;
+    return x ^ (x >> 16);
 }
 
-/// All pairs of a group. Compiled twice, for eight lanes where the processor has them: half of the
-/// work are products of integers, which SSE2 does not have.
+/// All pairs of a group, scrambled by hashes of the group's and the pair's number. Compiled twice,
+/// for eight lanes where the processor has them: half of the work are products of integers, which
+/// SSE2 does not have.
 [[gnu::target_clones("avx2", "default")]] void points_of_group(std::uint32_t index,
                                                                std::uint64_t group,
                                                                Vector2 (&points)[sobol_pairs]) {
-    std::uint32_t order[sobol_pairs];
+    const std::uint64_t h = mix64(group);
+    const auto first = static_cast<std::uint32_t>(h), second = static_cast<std::uint32_t>(h >> 32);
+    std::uint32_t order[sobol_pairs], x[sobol_pairs], y[sobol_pairs];
     for (std::uint32_t& o : order) o = index >> sobol_order_columns << sobol_order_columns;
-    std::uint32_t rest = index & ((1u << sobol_order_columns) - 1);
-    for (std::uint32_t bit = 0; rest != 0; ++bit, rest >>= 1) {
-        const std::uint32_t mask = 0u - (rest & 1);
-        for (std::uint32_t k = 0; k < sobol_pairs; ++k) order[k] ^= sobol_orders[k][bit] & mask;
+    for (std::uint32_t bit = 0; bit < sobol_order_columns; ++bit) {
+        const std::uint32_t mask = 0u - ((index >> bit) & 1);
+        for (std::uint32_t k = 0; k < sobol_pairs; ++k) order[k] ^= columns.of[bit][k] & mask;
     }
     for (std::uint32_t k = 0; k < sobol_pairs; ++k) {
-        points[k] = scrambled_point(order[k], group, k).to_float();
+        const std::uint32_t step = k * 0x9e3779b9u;
+        x[k] = reverse_bits(laine_karras_permutation(order[k], mix32(first + step)));
+        y[k] = reverse_bits(
+            laine_karras_permutation(multiply_by_pascal(order[k]), mix32(second + step)));
+    }
+    for (std::uint32_t k = 0; k < sobol_pairs; ++k) {
+        points[k] = {uint_to_float(x[k]), uint_to_float(y[k])};
     }
 }
 

@@ -78,7 +78,7 @@ TEST(DirectLight, O6_MeshLight) {
     write_file(folder / "square.obj", square_obj);
     for (const SquareCase& c : square_cases) {
         EXPECT_TRUE(
-            agrees(irradiance(square_mesh, c.p, c.n, 4096, mis, folder.path()), c.irradiance));
+            agrees(irradiance(square_mesh, c.p, c.n, 6144, mis, folder.path()), c.irradiance));
     }
 }
 

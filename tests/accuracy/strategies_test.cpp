@@ -100,10 +100,10 @@ TEST(Strategies, O28_MovedTurnedAndScaledSceneIsTheSame) {
                put("cube", scale(0.4) + translate({-1.5, 0.4, 0.8}), diffuse(0.7)) +
                put("disk", scale(0.7) + look({0, 3, 3}, {0, 0, 0}), diffuse(0.5) + area_light(5));
     };
-    const RunningStatistics still = image_means(placed(""), 16, 2);
+    const RunningStatistics still = image_means(placed(""), 128, 2);
     const std::string turned = "<rotate value='1, 2, 3' angle='70'/>" + translate({3, -4, 5});
-    // The same random numbers: what differs is rounding, and pixels at edges.
-    EXPECT_NEAR(image_means(placed(turned), 16, 2).mean() / still.mean(), 1, 1e-3);
+    // The same random numbers: what differs is rounding, pixels at edges, and tangents.
+    EXPECT_NEAR(image_means(placed(turned), 128, 2).mean() / still.mean(), 1, 1e-3);
 }
 
 }  // namespace

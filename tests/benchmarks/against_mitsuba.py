@@ -12,8 +12,8 @@ are not. Noise is what differs between seeds, so no reference is needed:
     blocks      share of blocks of 16 × 16 pixels whose means differ by more than four standard
                 deviations: where the pictures do not agree
 
-Intervals are 95 % by Student's t over rounds, of the logarithms of ratios. Mitsuba is installed from
-PyPI into a virtual environment of its own; its LLVM variants want libLLVM (Debian: libllvm19).
+Intervals are 95 %, by the jackknife over rounds, of the logarithms of ratios. Mitsuba is installed
+from PyPI into a virtual environment of its own; its LLVM variants want libLLVM (Debian: libllvm19).
 """
 import argparse
 import dataclasses
