@@ -42,6 +42,12 @@ public:
                               const FloatLanes& u_lobe, const Vector2Lanes& u, TransportMode mode,
                               BSDFSampleLanes& out) const;
 
+    /// The fraction of light that goes straight through towards `wo` as if there were no surface:
+    /// the mean weight of samples of the lobe `null`.
+    virtual Color transmittance(const Interaction& /*at*/, Vector3 /*wo*/) const {
+        return Color(0);
+    }
+
     /// An estimate of the fraction of light reflected or transmitted, for the albedo layer and
     /// for Russian roulette of photons; in [0, 1].
     virtual Color albedo(const Interaction& at, Vector3 wo) const = 0;

@@ -105,8 +105,8 @@ constexpr bool any(Lobe lobes) { return lobes != Lobe::none; }
 
 inline constexpr Lobe smooth_lobes = Lobe::diffuse_reflection | Lobe::diffuse_transmission |
                                      Lobe::glossy_reflection | Lobe::glossy_transmission;
-inline constexpr Lobe delta_lobes =
-    Lobe::specular_reflection | Lobe::specular_transmission | Lobe::null;
+inline constexpr Lobe specular_lobes = Lobe::specular_reflection | Lobe::specular_transmission;
+inline constexpr Lobe delta_lobes = specular_lobes | Lobe::null;
 inline constexpr Lobe transmission_lobes = Lobe::diffuse_transmission | Lobe::glossy_transmission |
                                            Lobe::specular_transmission | Lobe::null;
 

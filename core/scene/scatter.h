@@ -16,6 +16,11 @@ inline bool same_side(const Interaction& at, Vector3 w, Vector3 w_local) {
     return glm::dot(w, at.n) * cos_theta(w_local) > 0;
 }
 
+/// The fraction of light that goes straight through a surface towards `wo` (world).
+inline Color straight_transmittance(const Interaction& at, Vector3 wo) {
+    return at.shape->bsdf()->transmittance(at, at.to_local(wo));
+}
+
 /// How a path goes on.
 struct ScatteredRay {
     BSDFSample sample;

@@ -6,6 +6,7 @@
 #include "core/scene/accelerator.h"
 #include "core/scene/preparation_error.h"
 #include "core/scene/ray_statistics.h"
+#include "core/scene/scatter.h"
 
 namespace lucerna {
 
@@ -47,6 +48,19 @@ void fill_through_instance(const SceneHit& met, const Ray& ray, Interaction& at)
     if (world_from_group.swaps_handedness()) at.shading.t = glm::cross(at.shading.n, at.shading.s);
 }
 
+/// Its direction has any length.
+Ray shadow_ray(const Receiver& from, const LightSample& to) {
+    Ray ray{.o = offset_ray_origin(from.p, from.error, from.n, to.wi),
+            .d = to.wi,
+            .tmax = infinity,
+            .source = from.source};
+    if (std::isfinite(to.distance)) {
+        ray.d = offset_ray_origin(to.p, to.error, to.n, -to.wi) - ray.o;
+        ray.tmax = 1 - 1e-5f;
+    }
+    return ray;
+}
+
 }  // namespace
 
 Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
@@ -54,6 +68,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     if (bounds_.empty()) bounds_ = {.min = Vector3(0), .max = Vector3(0)};
     accelerator_ = std::make_unique<Accelerator>(parts_.shapes, parts_.threads);
     collect_lights();
+    find_null_surfaces();
     // Emitters first: light samplers ask them for their power.
     const auto prepare_if = [&](bool emitters) {
         for (std::size_t i = 0; i < parts_.objects.size(); ++i) {
@@ -90,6 +105,15 @@ void Scene::collect_lights() {
         shape->first_light_ = static_cast<std::uint32_t>(lights_.size());
         for (std::uint32_t i = 0; i < shape->primitive_count(); ++i) {
             lights_.push_back({.emitter = shape->emitter(), .shape = shape, .primitive = i});
+        }
+    }
+}
+
+void Scene::find_null_surfaces() {
+    for (const auto& object : parts_.objects) {
+        const auto* shape = dynamic_cast<const Shape*>(object.get());
+        if (shape && shape->bsdf() && any(shape->bsdf()->lobes() & Lobe::null)) {
+            has_null_surfaces_ = true;
         }
     }
 }
@@ -185,14 +209,7 @@ bool Scene::occluded(const Ray& ray) const {
 
 bool Scene::occluded(const Receiver& from, const LightSample& to) const {
     RayStatistics& statistics = thread_ray_statistics();
-    Ray ray{.o = offset_ray_origin(from.p, from.error, from.n, to.wi),
-            .d = to.wi,
-            .tmax = infinity,
-            .source = from.source};
-    if (std::isfinite(to.distance)) {
-        ray.d = offset_ray_origin(to.p, to.error, to.n, -to.wi) - ray.o;
-        ray.tmax = 1 - 1e-5f;
-    }
+    const Ray ray = shadow_ray(from, to);
     if (!is_traceable(ray)) [[unlikely]] {
         ++statistics.dropped;
         return true;
@@ -201,6 +218,49 @@ bool Scene::occluded(const Receiver& from, const LightSample& to) const {
     ++statistics.occlusions;
     statistics.blocked += blocked;
     return blocked;
+}
+
+Color Scene::transmittance(const Ray& ray, bool past_emitters) const {
+    if (!occluded(ray)) return Color(1);
+    if (!has_null_surfaces_ && !past_emitters) return Color(0);
+    return transmittance(ray, {}, past_emitters);
+}
+
+Color Scene::transmittance(const Receiver& from, const LightSample& to) const {
+    if (!occluded(from, to)) return Color(1);
+    if (!has_null_surfaces_) return Color(0);
+    Ray ray = shadow_ray(from, to);
+    const float length = glm::length(ray.d);
+    ray.d /= length;
+    ray.tmax *= length;
+    return transmittance(ray, to.target, false);
+}
+
+/// Along a ray on which something lies, surface by surface; `target` does not block it.
+Color Scene::transmittance(Ray ray, PrimitiveId target, bool past_emitters) const {
+    const Vector3 end = ray.o + ray.tmax * ray.d;
+    Color result(1);
+    while (is_traceable(ray)) {
+        const std::optional<Interaction> at = intersect_from(ray, 0, 0);
+        if (!at || (at->source == target && target != PrimitiveId{})) {
+            --thread_ray_statistics().blocked;
+            return result;
+        }
+        if (!past_emitters || !at->shape->emitter()) {
+            result *= straight_transmittance(*at, -ray.d);
+            if (is_black(result)) return result;
+        }
+        Ray next = at->spawn_ray(ray.d);
+        if (std::isfinite(ray.tmax)) {
+            // Aimed anew, since the origin has been moved off the surface: a ray that grazes a
+            // small lamp would miss the point on it.
+            const Vector3 rest = end - next.o;
+            next.tmax = glm::dot(rest, ray.d) > 0 ? glm::length(rest) : 0;
+            if (next.tmax > 0) next.d = rest / next.tmax;
+        }
+        ray = next;
+    }
+    return Color(0);  // not finite
 }
 
 Color Scene::environment(Vector3 d) const {

@@ -49,11 +49,16 @@ public:
     std::optional<Interaction> intersect(const Ray& ray) const;
     /// The same for several rays, whose waits for memory overlap. Best for 16 or more.
     void intersect(std::span<TracedRay* const> rays) const;
-    /// True if something lies on the ray.
+    /// True if something lies on the ray, though it may let light through.
     bool occluded(const Ray& ray) const;
     /// True if something lies between the receiver and the sampled point of a light. Both ends
     /// are moved off their surfaces.
     bool occluded(const Receiver& from, const LightSample& to) const;
+    /// The fraction of light that gets along the ray past surfaces that let it go straight through
+    /// (BSDF::transmittance), and, with `past_emitters`, past those that emit.
+    Color transmittance(const Ray& ray, bool past_emitters = false) const;
+    /// The same between the receiver and the sampled point of a light.
+    Color transmittance(const Receiver& from, const LightSample& to) const;
 
     /// All lights: lights().size() may be millions.
     std::span<const Light> lights() const { return lights_; }
@@ -82,6 +87,8 @@ public:
 
 private:
     void collect_lights();
+    void find_null_surfaces();
+    Color transmittance(Ray ray, PrimitiveId target, bool past_emitters) const;
     bool fill(const Ray& ray, const SceneHit& met, Interaction& at) const;
     std::optional<Interaction> intersect_from(const Ray& ray, float tmin, int attempt) const;
 
@@ -91,6 +98,7 @@ private:
     std::vector<Light, HugePages<Light>> lights_;
     std::vector<std::uint32_t> infinite_lights_;
     const LightSampler* light_sampler_ = nullptr;
+    bool has_null_surfaces_ = false;  ///< some let light straight through
 };
 
 }  // namespace lucerna

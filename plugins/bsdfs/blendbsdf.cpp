@@ -44,6 +44,10 @@ public:
         return s;
     }
 
+    Color transmittance(const Interaction& at, Vector3 wo) const override {
+        return glm::mix(first_->transmittance(at, wo), second_->transmittance(at, wo), weight(at));
+    }
+
     Color albedo(const Interaction& at, Vector3 wo) const override {
         return glm::mix(first_->albedo(at, wo), second_->albedo(at, wo), weight(at));
     }

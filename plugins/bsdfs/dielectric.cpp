@@ -14,9 +14,8 @@ public:
     explicit Dielectric(const Params& params) : glass_(params, relative_ior(params, "bk7")) {}
 
     Lobe lobes() const override {
-        const bool matched = glass_.eta == 1;
-        return matched ? Lobe::specular_transmission
-                       : Lobe::specular_reflection | Lobe::specular_transmission;
+        return glass_.matched() ? Lobe::null
+                                : Lobe::specular_reflection | Lobe::specular_transmission;
     }
     bool uses_tangents() const override { return false; }
 
@@ -27,6 +26,10 @@ public:
     std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float u_lobe, Vector2,
                                      TransportMode mode) const override {
         return glass_.sample_smooth(at.uv, wo, u_lobe, mode);
+    }
+
+    Color transmittance(const Interaction& at, Vector3) const override {
+        return glass_.straight(at.uv);
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {

@@ -27,6 +27,11 @@ struct Glass {
         return reflectance(uv) * reflected + transmittance(uv) * (1 - reflected);
     }
 
+    /// The same substance on both sides: light goes straight through.
+    bool matched() const { return eta == 1; }
+    /// The fraction of light that does so.
+    Color straight(Vector2 uv) const { return matched() ? transmittance(uv) : Color(0); }
+
     /// A perfectly smooth surface: reflection with probability F, else refraction.
     std::optional<BSDFSample> sample_smooth(Vector2 uv, Vector3 wo, float u_lobe,
                                             TransportMode mode) const {
@@ -43,7 +48,7 @@ struct Glass {
         return BSDFSample{.wi = refracted->direction,
                           .weight = transmitted(uv, refracted->eta, mode),
                           .pdf = 1 - reflected,
-                          .lobe = Lobe::specular_transmission,
+                          .lobe = matched() ? Lobe::null : Lobe::specular_transmission,
                           .eta = refracted->eta};
     }
 

@@ -38,6 +38,10 @@ public:
         return s;
     }
 
+    Color transmittance(const Interaction& at, Vector3 wo) const override {
+        return glm::mix(Color(1), nested_.transmittance(at, wo), opacity(at));
+    }
+
     Color albedo(const Interaction& at, Vector3 wo) const override {
         return glm::mix(Color(1), nested_.albedo(at, wo), opacity(at));
     }

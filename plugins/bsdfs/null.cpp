@@ -21,6 +21,8 @@ public:
         return BSDFSample{.wi = -wo, .weight = Color(1), .pdf = 1, .lobe = Lobe::null};
     }
 
+    Color transmittance(const Interaction&, Vector3) const override { return Color(1); }
+
     Color albedo(const Interaction&, Vector3) const override { return Color(1); }
 };
 

@@ -41,6 +41,12 @@ public:
         return s->specular() ? delta(view, *s, bent_wi, own) : smooth(view, *s);
     }
 
+    Color transmittance(const Interaction& at, Vector3 wo) const override {
+        const View view(at, perturbed(at), wo, TransportMode::radiance);
+        return view.sees_wo ? nested_.transmittance(view.bent, view.bent_wo)
+                            : nested_.transmittance(at, wo);
+    }
+
     Color albedo(const Interaction& at, Vector3 wo) const override {
         return nested_.albedo(at, wo);
     }

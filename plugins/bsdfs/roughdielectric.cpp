@@ -22,7 +22,7 @@ public:
         : roughness_(params), glass_(params, relative_ior(params, "bk7")) {}
 
     Lobe lobes() const override {
-        if (glass_.eta == 1) return Lobe::specular_transmission;
+        if (glass_.matched()) return Lobe::null;
         return roughness_.lobes(Lobe::glossy_reflection | Lobe::glossy_transmission,
                                 Lobe::specular_reflection | Lobe::specular_transmission);
     }
@@ -53,13 +53,17 @@ public:
                      refracted->eta);
     }
 
+    Color transmittance(const Interaction& at, Vector3) const override {
+        return glass_.straight(at.uv);
+    }
+
     Color albedo(const Interaction& at, Vector3 wo) const override {
         return glass_.albedo(at.uv, wo.z);
     }
 
 private:
     bool smooth(const Microfacet& facets) const {
-        return glass_.eta == 1 || facets.effectively_smooth();
+        return glass_.matched() || facets.effectively_smooth();
     }
 
     BSDFValue reflection(const Microfacet& facets, Vector2 uv, Vector3 wo, Vector3 wi) const {

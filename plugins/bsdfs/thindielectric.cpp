@@ -13,7 +13,7 @@ class ThinDielectric final : public BSDF {
 public:
     explicit ThinDielectric(const Params& params) : glass_(params, relative_ior(params, "bk7")) {}
 
-    Lobe lobes() const override { return Lobe::specular_reflection | Lobe::specular_transmission; }
+    Lobe lobes() const override { return Lobe::specular_reflection | Lobe::null; }
     bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction&, Vector3, Vector3, TransportMode) const override {
@@ -33,7 +33,11 @@ public:
         return BSDFSample{.wi = -wo,
                           .weight = glass_.transmittance(at.uv),
                           .pdf = 1 - reflected,
-                          .lobe = Lobe::specular_transmission};
+                          .lobe = Lobe::null};
+    }
+
+    Color transmittance(const Interaction& at, Vector3 wo) const override {
+        return glass_.transmittance(at.uv) * (1 - reflectance(wo));
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {

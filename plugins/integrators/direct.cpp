@@ -27,7 +27,7 @@ private:
           bsdf_samples_(params.int32("bsdf_samples", samples, {.min = 0, .max = 1 << 16},
                                      "samples of the BSDF at each point")),
           hide_emitters_(
-              params.boolean("hide_emitters", false, "whether the camera sees emitters")),
+              params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         if (emitter_samples_ + bsdf_samples_ == 0) {
             params.error("emitter_samples",
@@ -40,6 +40,8 @@ private:
                 PixelSample& result) const;
     Color sample_bsdf(const Scene& scene, const Interaction& at, Vector3 wo,
                       SampleStream& stream) const;
+    Color radiance_from(const Scene& scene, const Interaction& at, Vector3 wo,
+                        SampleStream& stream) const;
 
     int emitter_samples_;
     int bsdf_samples_;
@@ -47,13 +49,14 @@ private:
     const LightSampler& light_sampler_;
 };
 
-/// One sample of the BSDF, and the light that it finds.
+/// One sample of the BSDF, and the light that it finds. What goes straight through the surface is
+/// left to the camera ray.
 Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, Vector3 wo,
                                     SampleStream& stream) const {
     const Vector2 u_lobe = stream.next_2d();
     const Vector2 u = stream.next_2d();
     const std::optional<ScatteredRay> next = scatter(at, wo, u_lobe.x, u);
-    if (!next) return Color(0);
+    if (!next || next->sample.lobe == Lobe::null) return Color(0);
     const BSDFSample& sample = next->sample;
     const Vector3 wi = next->ray.d;
     const Receiver receiver = at.receiver(wo, at.shape->bsdf()->sides());
@@ -62,46 +65,57 @@ Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, V
                                  : power_heuristic(static_cast<float>(bsdf_samples_) * sample.pdf,
                                                    static_cast<float>(emitter_samples_) * density);
     };
-    const std::optional<Interaction> hit = scene.intersect(next->ray);
-    if (hit) {
-        if (!hit->shape->emitter()) return Color(0);
-        const Color radiance = hit->shape->emitter()->radiance(*hit, -wi);
-        if (is_black(radiance)) return radiance;
-        return sample.weight * radiance *
-               mis_weight(light_density(light_sampler_, scene, receiver, wi, *hit));
+    Color sum(0), beta = sample.weight;
+    std::optional<Interaction> hit = scene.intersect(next->ray);
+    for (; hit && !is_black(beta); hit = scene.intersect(hit->spawn_ray(wi))) {
+        const Emitter* const emitter = hit->shape->emitter();
+        const Color radiance = emitter ? emitter->radiance(*hit, -wi) : Color(0);
+        if (!is_black(radiance)) {
+            sum += beta * radiance *
+                   mis_weight(light_density(light_sampler_, scene, receiver, wi, *hit));
+        }
+        beta *= straight_transmittance(*hit, -wi);
     }
-    Color sum(0);
+    if (hit || is_black(beta)) return sum;
     for (const std::uint32_t i : scene.infinite_lights()) {
         const Light& light = scene.lights()[i];
         const float density =
             light_sampler_.pmf(receiver, i) * light.emitter->pdf_li(light, receiver, wi, nullptr);
-        sum += sample.weight * light.emitter->environment(wi) * mis_weight(density);
+        sum += beta * light.emitter->environment(wi) * mis_weight(density);
     }
     return sum;
 }
 
+/// Emission of a surface, and light that it scatters, by both strategies.
+Color DirectIntegrator::radiance_from(const Scene& scene, const Interaction& at, Vector3 wo,
+                                      SampleStream& stream) const {
+    const auto passes = static_cast<float>(emitter_samples_);
+    const auto bsdf_passes = static_cast<float>(bsdf_samples_);
+    Color sum(0);
+    if (!hide_emitters_ && at.shape->emitter()) sum = at.shape->emitter()->radiance(at, wo);
+    for (int i = 0; i < emitter_samples_; ++i) {
+        sum += sample_lights(scene, light_sampler_, *at.shape->bsdf(), at, wo, passes, bsdf_passes,
+                             stream) /
+               passes;
+    }
+    for (int i = 0; i < bsdf_samples_; ++i) sum += sample_bsdf(scene, at, wo, stream) / bsdf_passes;
+    return sum;
+}
+
+/// All surfaces that the camera sees, one through the other.
 void DirectIntegrator::sample(const Scene& scene, const Ray& ray, SampleStream& stream,
                               PixelSample& result) const {
-    const std::optional<Interaction> at = scene.intersect(ray);
-    if (!at) {
-        if (!hide_emitters_) result.radiance = scene.environment(ray.d);
-        result.alpha = !hide_emitters_ && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
-        return;
+    Color beta(1);
+    std::optional<Interaction> at = scene.intersect(ray);
+    for (; at && !is_black(beta); at = scene.intersect(at->spawn_ray(ray.d))) {
+        if (hide_emitters_ && at->shape->emitter()) continue;
+        result.radiance += beta * radiance_from(scene, *at, -ray.d, stream);
+        beta *= straight_transmittance(*at, -ray.d);
     }
-    const Vector3 wo = -ray.d;
-    if (!hide_emitters_ && at->shape->emitter()) {
-        result.radiance = at->shape->emitter()->radiance(*at, wo);
-    }
-    const BSDF& bsdf = *at->shape->bsdf();
-    for (int i = 0; i < emitter_samples_; ++i) {
-        const auto passes = static_cast<float>(emitter_samples_);
-        result.radiance += sample_lights(scene, light_sampler_, bsdf, *at, wo, passes,
-                                         static_cast<float>(bsdf_samples_), stream) /
-                           passes;
-    }
-    for (int i = 0; i < bsdf_samples_; ++i) {
-        result.radiance += sample_bsdf(scene, *at, wo, stream) / static_cast<float>(bsdf_samples_);
-    }
+    if (at || is_black(beta)) return;
+    if (!hide_emitters_) result.radiance += beta * scene.environment(ray.d);
+    const bool sky = !hide_emitters_ && !scene.infinite_lights().empty();
+    result.alpha = sky ? 1.0f : 1 - luminance(beta);
 }
 
 }  // namespace

@@ -162,7 +162,8 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
         if (!choice || !sample_light(scene, *choice, surface, u, passes, bsdf_samples, estimate)) {
             continue;
         }
-        if (!scene.occluded(surface.receiver, estimate.sample)) sum += ColorD(estimate.value);
+        const Color arriving = scene.transmittance(surface.receiver, estimate.sample);
+        sum += ColorD(arriving * estimate.value);
     }
     return Color(sum);
 }

@@ -26,8 +26,9 @@ public:
                               "paths are shared by blocks of so many by so many pixels, a power of "
                               "two; 1: pixels do not share")),
           hide_emitters_(
-              params.boolean("hide_emitters", false, "whether the camera sees emitters")),
+              params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
+        if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
         if ((reuse_ & (reuse_ - 1)) != 0)
             params.error("reuse", "\"reuse\" must be 1, 2, 4, 8 or 16");
     }
@@ -36,9 +37,7 @@ public:
         dimensions_ = bsdf_dimensions + light_dimensions(light_sampler_);
     }
 
-    int light_bounces() const override {
-        return max_depth_ < 0 ? std::numeric_limits<int>::max() : std::max(max_depth_ - 2, -1);
-    }
+    int light_bounces() const override { return std::max(max_depth_ - 2, -1); }
     int block_size() const override { return reuses() ? reuse_ : 1; }
     void sample(const Scene& scene, std::span<CameraSample> samples) const override;
 
@@ -56,8 +55,19 @@ private:
             }
         }
 
+        /// Past a surface that is no vertex, which lets the fraction `transmittance` through.
+        void go_straight(Color transmittance) {
+            // Paths are shared from vertex to vertex, and nothing lies between.
+            if (depth == 1 || (depth == 0 && transmittance != Color(1))) kept = nullptr;
+            beta *= transmittance;
+            beta_from_second *= transmittance;
+            ray = hit->spawn_ray(ray.d);
+        }
+
         CameraSample* sample;
         PathVertex before;
+        int depth = 0;           ///< vertices before the one that comes
+        float seen_through = 1;  ///< of what lies before the first vertex
         Color beta{1};
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
         Vector2 u_direction{0}, u_lobe_and_roulette{0};
@@ -78,14 +88,13 @@ private:
     static constexpr std::uint32_t bsdf_dimensions = 4;
 
     /// Samplers of many draws make a path's own light good, and reuse dear.
-    bool reuses() const {
-        return reuse_ > 1 && (max_depth_ < 0 || max_depth_ > 2) && light_sampler_.draws() <= 8;
-    }
-    bool arrive(const Scene& scene, Path& path, int depth) const;
-    static void keep_vertex(Path& path, int depth);
-    void add_direct_light(const Scene& scene, const Paths& paths, int depth) const;
-    bool scatter(Path& path, int depth) const;
-    static void leave_kept_vertex(Path& path, const BSDFSample& next, int depth);
+    bool reuses() const { return reuse_ > 1 && max_depth_ > 2 && light_sampler_.draws() <= 8; }
+    bool arrive(const Scene& scene, Path& path) const;
+    void add_found_light(const Scene& scene, Path& path) const;
+    static void keep_vertex(Path& path);
+    void add_direct_light(const Scene& scene, const Paths& paths, int step) const;
+    bool scatter(Path& path, int step) const;
+    static void leave_kept_vertex(Path& path, const BSDFSample& next);
     static bool survive(Path& path);
 
     int max_depth_;
@@ -95,47 +104,66 @@ private:
     const LightSampler& light_sampler_;
     std::uint32_t dimensions_ = 0;
 };
-/// Adds what is emitted where the ray ends; false if the path ends there, too.
-bool PathIntegrator::arrive(const Scene& scene, Path& path, int depth) const {
-    PixelSample& result = path.sample->result;
-    const bool show = depth > 0 || !hide_emitters_;
-    Color found(0);
-    if (path.hit && show) {
-        found = found_emission(scene, light_sampler_, path.before, *path.hit, -path.ray.d);
-    } else if (show) {
-        found = found_environment(scene, light_sampler_, path.before, path.ray.d);
-    }
+/// Adds what is emitted where the ray ends.
+void PathIntegrator::add_found_light(const Scene& scene, Path& path) const {
+    if (path.depth == 0 && hide_emitters_) return;
+    const Color found =
+        path.hit ? found_emission(scene, light_sampler_, path.before, *path.hit, -path.ray.d)
+                 : found_environment(scene, light_sampler_, path.before, path.ray.d);
     // Emission that the second vertex sees is weighted for the direction the path came from.
-    if (depth > 2) {
+    if (path.depth > 2) {
         path.add(found);
     } else {
-        result.radiance += path.beta * found;
+        path.sample->result.radiance += path.beta * found;
     }
-    if (!path.hit && depth == 0) {
-        result.alpha = show && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
+}
+
+/// Follows the ray to the next vertex, adding what is emitted on the way; false if there is none.
+/// Emitters that are hidden are no vertices, nor is what only lets light through. After the last
+/// vertex that is allowed, only light that goes straight through counts.
+bool PathIntegrator::arrive(const Scene& scene, Path& path) const {
+    while (path.hit) {
+        add_found_light(scene, path);
+        const Interaction& at = *path.hit;
+        if (path.depth == 0 && hide_emitters_ && at.shape->emitter()) {
+            path.go_straight(Color(1));
+        } else if (path.depth + 1 < max_depth_ && at.shape->bsdf()->lobes() != Lobe::null) {
+            return true;
+        } else {
+            const Color transmittance = straight_transmittance(at, -path.ray.d);
+            if (is_black(transmittance)) return false;
+            path.seen_through *= luminance(transmittance);
+            path.go_straight(transmittance);
+        }
+        path.hit = scene.intersect(path.ray);
     }
-    return path.hit.has_value();
+    add_found_light(scene, path);
+    if (path.depth == 0) {
+        const bool sky = !hide_emitters_ && !scene.infinite_lights().empty();
+        path.sample->result.alpha = sky ? 1.0f : 1 - path.seen_through;
+    }
+    return false;
 }
 
 /// Keeps the first two vertices for other pixels.
-void PathIntegrator::keep_vertex(Path& path, int depth) {
+void PathIntegrator::keep_vertex(Path& path) {
     ReusablePath& kept = *path.kept;
-    Interaction& at = depth == 0 ? kept.first_at : kept.second_at;
+    Interaction& at = path.depth == 0 ? kept.first_at : kept.second_at;
     at = *path.hit;
-    (depth == 0 ? kept.first : kept.second).emplace(at, *at.shape->bsdf(), -path.ray.d);
+    (path.depth == 0 ? kept.first : kept.second).emplace(at, *at.shape->bsdf(), -path.ray.d);
 }
 
 /// Light sampling at the vertices of all paths, then all shadow rays.
-void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, int depth) const {
+void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, int step) const {
     for (Path* path : paths) {
         SampleStream& stream = path->sample->stream;
-        stream.jump_to(camera_dimensions + static_cast<std::uint32_t>(depth) * dimensions_);
+        stream.jump_to(camera_dimensions + static_cast<std::uint32_t>(step) * dimensions_);
         path->u_direction = stream.next_2d();
         path->u_lobe_and_roulette = stream.next_2d();
         path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
         path->direct = ColorD(0);  // in double: there may be a million draws
-        if (depth == 0 && !path->surface->samples_lights) path->kept = nullptr;
-        if (path->kept && depth < 2) keep_vertex(*path, depth);
+        if (path->depth == 0 && !path->surface->samples_lights) path->kept = nullptr;
+        if (path->kept && path->depth < 2) keep_vertex(*path);
     }
     Paths lit, asking;
     lit.reserve(paths.size());
@@ -160,42 +188,52 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
             }
         }
         for (Path* path : lit) {
-            if (scene.occluded(path->surface->receiver, path->light.sample)) continue;
-            if (depth == 1 && path->kept) {
-                path->kept->lights.emplace_back(path->light);
+            LightEstimate& light = path->light;
+            const Color arriving = scene.transmittance(path->surface->receiver, light.sample);
+            if (is_black(arriving)) continue;
+            if (path->depth == 1 && path->kept) {
+                light.sample.radiance *= arriving;
+                path->kept->lights.emplace_back(light);
             } else {
-                path->direct += ColorD(path->light.value);
+                path->direct += ColorD(arriving * light.value);
             }
         }
     }
     for (Path* path : paths) path->add(Color(path->direct));
 }
 
-/// Continues along a direction of the BSDF; false if the path ends.
-bool PathIntegrator::scatter(Path& path, int depth) const {
+/// Continues along a direction of the BSDF; false if the path ends. What is found straight through
+/// the surface is weighted against light sampling at the vertex before.
+bool PathIntegrator::scatter(Path& path, int step) const {
     const Interaction& at = *path.hit;
     const LitSurface& surface = *path.surface;
     const std::optional<ScatteredRay> next =
         lucerna::scatter(at, -path.ray.d, path.u_lobe_and_roulette.x, path.u_direction);
     if (!next) return false;
     const BSDFSample& sample = next->sample;
-    path.beta *= sample.weight;
-    if (is_black(path.beta)) return false;  // underflow: nothing that follows can be seen
-    path.eta2 *= sqr(sample.eta);
-    path.before.receiver = surface.receiver;
-    path.before.pdf = sample.pdf;
-    path.before.specular = sample.specular();
-    path.ray = next->ray;
-    path.beta_from_second *= sample.weight;
-    if (path.kept && depth < 2) leave_kept_vertex(path, sample, depth);
-    const bool roulette = depth + 1 >= rr_depth_ && (depth > 0 || !path.kept);
+    if (is_black(path.beta * sample.weight)) return false;  // underflow: nothing can be seen
+    if (sample.lobe == Lobe::null) {
+        if (path.depth == 0) path.kept = nullptr;
+        path.go_straight(sample.weight);
+    } else {
+        path.beta *= sample.weight;
+        path.beta_from_second *= sample.weight;
+        path.eta2 *= sqr(sample.eta);
+        path.before.receiver = surface.receiver;
+        path.before.pdf = sample.pdf;
+        path.before.specular = sample.specular();
+        path.ray = next->ray;
+        if (path.kept && path.depth < 2) leave_kept_vertex(path, sample);
+        ++path.depth;
+    }
+    const bool roulette = step + 1 >= rr_depth_ && (step > 0 || !path.kept);
     return !roulette || survive(path);
 }
 
 /// Hands on the direction in which a path leaves a vertex that is kept. A direction of a delta lobe
 /// is of no use to others.
-void PathIntegrator::leave_kept_vertex(Path& path, const BSDFSample& next, int depth) {
-    if (depth == 0) {
+void PathIntegrator::leave_kept_vertex(Path& path, const BSDFSample& next) {
+    if (path.depth == 0) {
         path.kept->to_second = next;
         if (next.specular()) path.kept = nullptr;
     } else if (!next.specular()) {
@@ -218,7 +256,7 @@ bool PathIntegrator::survive(Path& path) {
 
 /// All paths step by step together: while one waits for memory, the others go on.
 void PathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples) const {
-    const int max_depth = max_depth_ < 0 ? std::numeric_limits<int>::max() : max_depth_;
+    if (max_depth_ == 0) return;
     std::vector<Path> paths;
     paths.reserve(samples.size());
     Paths active;
@@ -228,13 +266,12 @@ void PathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples)
         kept[i].radiance = &samples[i].result.radiance;
         paths[i].kept = &kept[i];
     }
-    for (int depth = 0; depth < max_depth && !active.empty(); ++depth) {
+    for (int step = 0; !active.empty(); ++step) {
         const std::vector<TracedRay*> rays(active.begin(), active.end());
         scene.intersect(rays);
-        std::erase_if(active, [&](Path* path) { return !arrive(scene, *path, depth); });
-        if (depth + 1 >= max_depth) break;
-        add_direct_light(scene, active, depth);
-        std::erase_if(active, [&](Path* path) { return !scatter(*path, depth); });
+        std::erase_if(active, [&](Path* path) { return !arrive(scene, *path); });
+        add_direct_light(scene, active, step);
+        std::erase_if(active, [&](Path* path) { return !scatter(*path, step); });
     }
     for (std::size_t begin = 0, end = 0; begin < kept.size(); begin = end) {
         while (end < kept.size() && samples[end].block == samples[begin].block) ++end;

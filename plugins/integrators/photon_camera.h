@@ -48,9 +48,22 @@ public:
     /// Fills a camera sample. gather(at, wo, edges) returns the radiance that leaves `at`, which
     /// stores photons, towards `wo`, after so many edges; it may take numbers of the stream.
     template <typename Gather>
-    void operator()(Ray ray, SampleStream& stream, PixelSample& result, Gather&& gather) const;
+    void operator()(const Ray& ray, SampleStream& stream, PixelSample& result,
+                    Gather&& gather) const;
 
 private:
+    struct Path {
+        Ray ray;
+        std::optional<Interaction> hit{};
+        PathVertex vertex{};
+        Color beta{1};
+        float seen_through = 1;  ///< of what lies before the first vertex
+        float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
+        int edges = 1;   ///< from vertex to vertex: what is gone straight through is none
+    };
+
+    bool arrive(Path& path, PixelSample& result) const;
+
     static constexpr std::uint32_t camera_dimensions = 4;
     static constexpr std::uint32_t bsdf_dimensions = 4;  // direction, lobe and roulette
 
@@ -60,57 +73,75 @@ private:
     std::uint32_t dimensions_;
 };
 
-template <typename Gather>
-void CameraWalk::operator()(Ray ray, SampleStream& stream, PixelSample& result,
-                            Gather&& gather) const {
-    PathVertex vertex;
-    Color beta(1);
-    float eta2 = 1;  // undoes the scaling of radiance by refraction, for Russian roulette
-    for (int edges = 1; edges <= settings_.max_depth; ++edges) {
-        const bool show = settings_.lights && (edges > 1 || !settings_.hide_emitters);
-        const std::optional<Interaction> hit = scene_.intersect(ray);
-        if (!hit) {
-            if (show) {
-                result.radiance += beta * found_environment(scene_, light_sampler_, vertex, ray.d);
-            }
-            if (edges == 1) result.alpha = show && !scene_.infinite_lights().empty() ? 1.0f : 0.0f;
-            return;
-        }
-        const Interaction& at = *hit;
-        const Vector3 wo = -ray.d;
+/// Follows the ray to the next surface that scatters, adding what is emitted on the way; false if
+/// there is none. Emitters that are hidden are none. After the last edge that is allowed, only
+/// light that goes straight through counts.
+inline bool CameraWalk::arrive(Path& path, PixelSample& result) const {
+    const bool hidden = path.edges == 1 && settings_.hide_emitters;
+    const bool show = settings_.lights && !hidden;
+    const Vector3 d = path.ray.d;
+    while ((path.hit = scene_.intersect(path.ray))) {
+        const Interaction& at = *path.hit;
         if (show) {
-            result.radiance += beta * found_emission(scene_, light_sampler_, vertex, at, wo);
+            result.radiance +=
+                path.beta * found_emission(scene_, light_sampler_, path.vertex, at, -d);
         }
-        if (edges == settings_.max_depth) return;
+        const bool unseen = hidden && at.shape->emitter();
+        if (!unseen && path.edges < settings_.max_depth) return true;
+        const Color through = unseen ? Color(1) : straight_transmittance(at, -d);
+        if (is_black(through)) return false;
+        path.beta *= through;
+        path.seen_through *= luminance(through);
+        path.ray = at.spawn_ray(d);
+    }
+    if (show) {
+        result.radiance += path.beta * found_environment(scene_, light_sampler_, path.vertex, d);
+    }
+    if (path.edges == 1) {
+        const bool sky = show && !scene_.infinite_lights().empty();
+        result.alpha = sky ? 1.0f : 1 - path.seen_through;
+    }
+    return false;
+}
 
-        stream.jump_to(camera_dimensions + static_cast<std::uint32_t>(edges - 1) * dimensions_);
+template <typename Gather>
+void CameraWalk::operator()(const Ray& ray, SampleStream& stream, PixelSample& result,
+                            Gather&& gather) const {
+    if (settings_.max_depth == 0) return;
+    Path path{.ray = ray};
+    for (std::uint32_t step = 0; arrive(path, result); ++step) {
+        const Interaction& at = *path.hit;
+        const Vector3 wo = -path.ray.d;
+        stream.jump_to(camera_dimensions + step * dimensions_);
         const Vector2 u_direction = stream.next_2d();
         const Vector2 u_lobe_and_roulette = stream.next_2d();
         const BSDF& bsdf = *at.shape->bsdf();
         const bool gathers = stores_photons(bsdf);
         if (gathers) {
-            result.radiance += beta * gather(at, wo, edges);
+            result.radiance += path.beta * gather(at, wo, path.edges);
             if (!any(bsdf.lobes() & delta_lobes)) return;
         } else if (settings_.lights) {
             result.radiance +=
-                beta * sample_lights(scene_, light_sampler_, bsdf, at, wo, 1, 1, stream);
+                path.beta * sample_lights(scene_, light_sampler_, bsdf, at, wo, 1, 1, stream);
         }
         const std::optional<ScatteredRay> next =
             scatter(at, wo, u_lobe_and_roulette.x, u_direction);
         if (!next) return;
         const BSDFSample& sample = next->sample;
         if (gathers && !sample.specular()) return;  // has been gathered
-        beta *= sample.weight;
-        eta2 *= sqr(sample.eta);
-        vertex = {.receiver = at.receiver(wo, bsdf.sides()),
-                  .pdf = sample.pdf,
-                  .specular = sample.specular()};
-        ray = next->ray;
-
-        if (edges >= 5) {
-            const float survival = survival_probability(beta, eta2);
+        path.beta *= sample.weight;
+        path.eta2 *= sqr(sample.eta);
+        path.ray = next->ray;
+        if (sample.lobe != Lobe::null) {
+            path.vertex = {.receiver = at.receiver(wo, bsdf.sides()),
+                           .pdf = sample.pdf,
+                           .specular = sample.specular()};
+            ++path.edges;
+        }
+        if (step + 1 >= 5) {
+            const float survival = survival_probability(path.beta, path.eta2);
             if (!(u_lobe_and_roulette.y < survival)) return;
-            beta /= survival;
+            path.beta /= survival;
         }
     }
 }

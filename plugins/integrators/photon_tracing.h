@@ -47,7 +47,9 @@ inline bool stores_photons(const BSDF& bsdf) {
 inline bool has_caustics(std::span<const Shape* const> shapes) {
     return std::any_of(shapes.begin(), shapes.end(), [](const Shape* shape) {
         if (const BSDF* bsdf = shape->bsdf()) {
-            return !stores_photons(*bsdf) || any(bsdf->lobes() & delta_lobes);
+            const Lobe lobes = bsdf->lobes();
+            return any(lobes & specular_lobes) ||
+                   (any(lobes & smooth_lobes) && !stores_photons(*bsdf));
         }
         const Geometry geometry = shape->geometry();
         const auto* instance = std::get_if<InstanceGeometry>(&geometry);
@@ -167,7 +169,8 @@ private:
         PhotonNumbers numbers;
         Color power{0};
         PhotonKind kind = PhotonKind::direct;
-        int depth = 0;  ///< edges so far
+        int surfaces = 0;  ///< that it has met
+        int depth = 0;     ///< edges so far: what it goes straight through does not end one
     };
     /// Flights that have come to surfaces of the same material, which scatters them together.
     struct Meeting {
@@ -202,10 +205,10 @@ private:
         Vector2Lanes u_position{}, u_direction{};
         ScatteringLanes scattering{};
     };
-    /// The most likely that a path goes on after so many edges. Without a limit, light between
+    /// The most likely that a path goes on after so many surfaces. Without a limit, light between
     /// white walls would never end.
-    static float most_survival(const PhotonPass& pass, int depth) {
-        return depth < pass.rr_depth ? infinity : depth < 64 ? 1.0f : 0.95f;
+    static float most_survival(const PhotonPass& pass, int surfaces) {
+        return surfaces < pass.rr_depth ? infinity : surfaces < 64 ? 1.0f : 0.95f;
     }
     std::uint64_t emit(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end,
                        PhotonEnergy& energy, Wave& wave) const;
@@ -264,7 +267,7 @@ inline std::uint64_t PhotonTracer::emit(const PhotonPass& pass, std::uint64_t be
         flight.ray = {.o = emitted.o[i], .d = emitted.d[i]};
         flight.power = emitted.power[i] * scale;
         flight.kind = PhotonKind::direct;
-        flight.depth = 0;
+        flight.surfaces = flight.depth = 0;
         if (!is_finite(flight.power)) refuse_emission(choice.light, flight.ray.o);
         energy.emitted += static_cast<double>(luminance(flight.power));
         (is_black(flight.power) ? wave.idle : wave.flying).push_back(&flight);
@@ -276,6 +279,7 @@ inline std::uint64_t PhotonTracer::emit(const PhotonPass& pass, std::uint64_t be
 template <typename Visit>
 void PhotonTracer::arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy, Wave& wave,
                           Visit& visit) const {
+    ++flight.surfaces;
     ++flight.depth;
     if (!flight.hit) {
         energy.escaped += static_cast<double>(luminance(flight.power));
@@ -305,11 +309,11 @@ inline void PhotonTracer::scatter(const PhotonPass& pass, Meeting& meeting, Phot
     for (std::size_t i = 0; i < meeting.count; ++i) {
         Flight& flight = *meeting.flights[i];
         at[i] = &*flight.hit;
-        const PhotonNumbers::Scattering u = flight.numbers.scattering(flight.depth == 1);
+        const PhotonNumbers::Scattering u = flight.numbers.scattering(flight.surfaces == 1);
         lanes.u_lobe[i] = u.lobe;
         lanes.u_direction.set(i, u.direction);
         lanes.u_survival[i] = u.survival;
-        lanes.most_survival[i] = most_survival(pass, flight.depth);
+        lanes.most_survival[i] = most_survival(pass, flight.surfaces);
         lanes.set(i, *at[i], flight.ray.d, flight.power);
     }
     lanes.look_back(meeting.count);
@@ -321,7 +325,9 @@ inline void PhotonTracer::scatter(const PhotonPass& pass, Meeting& meeting, Phot
         if (lanes.broken[i] != 0) refuse_scattering(at[i]->p);
         energy.absorbed +=
             static_cast<double>(lanes.arriving[i]) - static_cast<double>(lanes.leaving[i]);
-        if (flight.kind != PhotonKind::indirect) {
+        if (lanes.next.lobe[i] == Lobe::null) {
+            --flight.depth;  // the edge goes on
+        } else if (flight.kind != PhotonKind::indirect) {
             const bool diffuse = meeting.stored && !any(lanes.next.lobe[i] & delta_lobes);
             flight.kind = diffuse ? PhotonKind::indirect : PhotonKind::caustic;
         }

@@ -85,7 +85,7 @@ PhotonMapIntegrator::PhotonMapIntegrator(const Params& params)
                                  {"caustics", Show::caustics},
                                  {"global", Show::global}},
                                 "the picture, the photons as dots, or one map alone")),
-      hide_emitters_(params.boolean("hide_emitters", false, "whether the camera sees emitters")),
+      hide_emitters_(params.boolean("hide_emitters", false, "the camera looks through emitters")),
       light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
     lookup_.count = params.int32("lookup_size", 120, {.min = 0, .max = PhotonLookup::max_count},
                                  "nearest photons of an estimate; 0: all within the radius");
@@ -204,13 +204,15 @@ Color PhotonMapIntegrator::gather_ray(const Scene& scene, const Maps& maps, Inte
                                       Vector3 wo, int edges, SampleStream& stream) const {
     Color sum(0), beta(1);
     bool may_be_smooth = true, may_be_specular = false;
+    float distance = 0;  // from the last vertex
     while (edges + 1 < limits_.max_depth) {
         const Vector2 u = stream.next_2d();
         const Vector2 u_lobe_and_roulette = stream.next_2d();
         const std::optional<ScatteredRay> next = scatter(at, wo, u_lobe_and_roulette.x, u);
         if (!next || !(next->sample.specular() ? may_be_specular : may_be_smooth)) break;
         beta *= next->sample.weight;
-        if (++edges > 8) {
+        const bool straight = next->sample.lobe == Lobe::null;
+        if (!straight && ++edges > 8) {
             const float survival = survival_probability(beta, 1);
             if (!(u_lobe_and_roulette.y < survival)) break;
             beta /= survival;
@@ -218,12 +220,13 @@ Color PhotonMapIntegrator::gather_ray(const Scene& scene, const Maps& maps, Inte
         const std::optional<Interaction> hit = scene.intersect(next->ray);
         if (!hit) break;
         at = *hit;
+        distance = straight ? distance + at.t : at.t;
         wo = -next->ray.d;
         const BSDF& there = *at.shape->bsdf();
         may_be_smooth = may_be_specular = true;
         if (!stores_photons(there)) continue;
         sum += beta * radiance(maps.caustic, at, wo, edges);
-        if (at.t < maps.global.radius()) {
+        if (distance < maps.global.radius()) {
             sum += beta * sample_lights(scene, light_sampler_, there, at, wo, 1, 0, stream);
         } else {
             sum += beta * radiance(maps.global, at, wo, edges);

@@ -107,7 +107,7 @@ public:
     explicit ParticleTracer(const Params& params)
         : limits_(params),
           hide_emitters_(
-              params.boolean("hide_emitters", false, "whether the camera sees emitters")) {
+              params.boolean("hide_emitters", false, "the camera looks through emitters")) {
         params.no_effect("granularity", "particles are dealt out evenly");
         params.no_effect("samples_per_pass",
                          "a pass has as many particles as the image has pixels");
@@ -133,7 +133,7 @@ void ParticleTracer::connect(const Scene& scene, const PhotonHit& hit, Vector2 u
                              const SplatImage& image, SplatImage::Bands& bands) const {
     const Interaction& at = hit.at;
     const BSDF& bsdf = *at.shape->bsdf();
-    if (!any(bsdf.lobes() & smooth_lobes)) return;
+    if (!any(bsdf.lobes() & smooth_lobes) || (hide_emitters_ && at.shape->emitter())) return;
     const std::optional<SensorConnection> seen = scene.sensor().connect(at.p, u_lens);
     if (!seen) return;
     const Vector3 wo = at.to_local(hit.w), wi = at.to_local(seen->wi);
@@ -143,9 +143,10 @@ void ParticleTracer::connect(const Scene& scene, const PhotonHit& hit, Vector2 u
     if (is_black(f)) return;
     Ray ray = at.spawn_ray(seen->wi);
     ray.tmax = seen->distance;
-    if (scene.occluded(ray)) return;
-    image.add(bands, {seen->position,
-                      hit.power * f * ((wo.z / wo_n) * std::abs(wi_n) * seen->importance)});
+    const Color arriving = scene.transmittance(ray, hide_emitters_);
+    if (is_black(arriving)) return;
+    image.add(bands, {seen->position, hit.power * f * arriving *
+                                          ((wo.z / wo_n) * std::abs(wi_n) * seen->importance)});
 }
 
 void ParticleTracer::trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index,
@@ -175,13 +176,18 @@ void ParticleTracer::trace(const RenderJob& job, const PhotonTracer& tracer, std
 }
 
 void ParticleTracer::see_lights(const Scene& scene, const Ray& ray, PixelSample& result) const {
-    const std::optional<Interaction> at = scene.intersect(ray);
-    if (!at) {
-        if (!hide_emitters_) result.radiance = scene.environment(ray.d);
-        result.alpha = !hide_emitters_ && !scene.infinite_lights().empty() ? 1.0f : 0.0f;
-    } else if (at->shape->emitter() && !hide_emitters_) {
-        result.radiance = at->shape->emitter()->radiance(*at, -ray.d);
+    Color beta(1);
+    std::optional<Interaction> at = scene.intersect(ray);
+    for (; at && !is_black(beta); at = scene.intersect(at->spawn_ray(ray.d))) {
+        const Emitter* const emitter = at->shape->emitter();
+        if (emitter && hide_emitters_) continue;
+        if (emitter) result.radiance += beta * emitter->radiance(*at, -ray.d);
+        beta *= straight_transmittance(*at, -ray.d);
     }
+    if (at || is_black(beta)) return;
+    if (!hide_emitters_) result.radiance += beta * scene.environment(ray.d);
+    const bool sky = !hide_emitters_ && !scene.infinite_lights().empty();
+    result.alpha = sky ? 1.0f : 1 - luminance(beta);
 }
 
 void ParticleTracer::render(RenderJob& job) const {

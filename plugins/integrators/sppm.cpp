@@ -41,7 +41,7 @@ public:
               {{"grid", PhotonStructure::grid}, {"kdtree", PhotonStructure::kdtree}},
               "that photons are kept in")),
           hide_emitters_(
-              params.boolean("hide_emitters", false, "whether the camera sees emitters")),
+              params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         params.no_effect("max_passes", "the budget of the render is its limit");
         params.no_effect("granularity", "photons are dealt out evenly");

@@ -284,7 +284,7 @@ inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
     const double value = static_cast<double>(luminance(sample->radiance)) *
                          static_cast<double>(std::abs(cosine) / sample->pdf) / lights_.unit;
     if (!(value > 0) || !std::isfinite(value)) return 0;
-    return scene_.occluded(at, *sample) ? 0.0 : value;
+    return value * static_cast<double>(luminance(scene_.transmittance(at, *sample)));
 }
 
 inline float LightStudy::infinite_contribution() {

@@ -79,6 +79,19 @@ TEST_F(PathReuse, G11_AgreesWithPathsOfTheirOwnInEveryPixel) {
     }
 }
 
+/// Panes, holes and veils before, between and behind the vertices that are shared.
+TEST_F(PathReuse, G11_AgreesBehindSurfacesThatLightGoesStraightThrough) {
+    const std::string veil =
+        "<bsdf type='mask'><bsdf type='twosided'>" + diffuse(0.6) + "</bsdf></bsdf>";
+    content_ += shape("rectangle", scale(0.6) + look({0.6, 1.2, 1.5}, {-1, 0, 0}), veil) +
+                shape("rectangle", scale(0.5) + look({-0.3, 0.5, 1}, {2, 1, 3}),
+                      "<bsdf type='thindielectric'/>") +
+                sphere({1.5, 0.3, 0.5}, 0.4, "<bsdf type='null'/>");
+    const Images own(scene(1), 256, 0, 48);
+    const Images shared(scene(4), 128, 1000, 48);
+    EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance));
+}
+
 TEST_F(PathReuse, G11_AgreesWithEarlyRoulette) {
     const Images own(scene(1), 256, 0, 48);
     const Images shared(scene(4, integer("rr_depth", 1)), 192, 2000, 48);

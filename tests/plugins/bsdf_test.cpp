@@ -353,6 +353,27 @@ TEST_F(BSDFs, samples_are_what_they_say) {
     }
 }
 
+TEST_F(BSDFs, transmittance_is_the_mean_weight_of_what_goes_straight_through) {
+    constexpr int n = 4096;
+    for (const Case& c : cases) {
+        for (const Vector3 wo : viewers()) {
+            for (const TransportMode mode : modes) {
+                ColorD sum(0);
+                for (int i = 0; i < n; ++i) {
+                    const float u_lobe = (static_cast<float>(i) + 0.5f) / n;
+                    const auto s = c.bsdf->sample(surface(), wo, u_lobe, {0.4f, 0.7f}, mode);
+                    if (s && s->lobe == Lobe::null) sum += ColorD(s->weight);
+                }
+                const Color mean(sum / static_cast<double>(n));
+                const Color transmittance = c.bsdf->transmittance(surface(), wo);
+                const bool has_null = any(c.bsdf->lobes() & Lobe::null);
+                EXPECT_LT(max_component(absolute(mean - transmittance)), 3e-4f) << c.xml;
+                ASSERT_TRUE(has_null || transmittance == Color(0)) << c.xml;
+            }
+        }
+    }
+}
+
 TEST_F(BSDFs, D2_white_furnace_gains_no_energy) {
     for (const Case& c : cases) {
         // A perturbed normal makes particles brighter where it faces them more than the surface.

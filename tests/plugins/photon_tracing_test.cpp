@@ -162,6 +162,9 @@ TEST_F(PhotonTracing, KindsAreWhatTheySay) {
         EXPECT_GT(photon.depth(), 1);
         EXPECT_GT(photon.p().z, -0.95f) << "the mirror shines upwards";
     }
+    const std::string cut_out =
+        "<shape type='rectangle'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></shape>";
+    EXPECT_FALSE(has_caustics(workshop_.make_scene(camera + room(0.5, cut_out)).shapes()));
     EXPECT_TRUE(has_caustics(workshop_.make_scene(camera + scene).shapes()));
     EXPECT_FALSE(has_caustics(workshop_.make_scene(camera + room(0.5)).shapes()));
 }

@@ -205,7 +205,8 @@ private:
         const double value =
             static_cast<double>(luminance(f * to->radiance)) * std::abs(double(wi.z)) / to->pdf;
         if (!(value > 0) || !std::isfinite(value)) return 0;
-        return shadows && scene_.occluded(from, *to) ? 0 : value;
+        if (!shadows) return value;
+        return value * static_cast<double>(luminance(scene_.transmittance(from, *to)));
     }
 
     const Scene& scene_;
