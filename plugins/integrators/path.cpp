@@ -104,6 +104,7 @@ private:
     const LightSampler& light_sampler_;
     std::uint32_t dimensions_ = 0;
 };
+
 /// Adds what is emitted where the ray ends.
 void PathIntegrator::add_found_light(const Scene& scene, Path& path) const {
     if (path.depth == 0 && hide_emitters_) return;

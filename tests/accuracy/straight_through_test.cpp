@@ -167,7 +167,7 @@ TEST(HiddenEmitters, AreNotInThePicture) {
                                    diffuse(0) + area_light(5));  // shines towards the camera
     const std::string two_lamps = lamp + sphere({0, 0, 0.6}, 0.05, diffuse(0) + area_light(0));
     const std::string wall = shape("rectangle", scale(1), diffuse(0.5));
-    const std::string light = point_light({0.5, 0, 1}, 10);
+    const std::string light = point_light({0.9, 0, 1}, 10);  // the lamps' shadows are not seen
     for (const std::string& method :
          {path_integrator(hidden), path_integrator(hidden + integer("reuse", 4)),
           integrator("direct", hidden),
