@@ -228,7 +228,7 @@ std::string direct_with(const std::string& sampler) {
 
 TEST_P(SeenLights, MeanIsThatOfAllLights) {
     static const RunningStatistics reference = image_means(courtyard(direct_with("all"), 8), 64, 8);
-    const std::uint64_t samples = GetParam() == "all" ? 32 : 1536;
+    const std::uint64_t samples = GetParam() == "all" ? 32 : 2560;
     const RunningStatistics means = image_means(courtyard(direct_with(GetParam()), 8), samples, 8);
     EXPECT_TRUE(agree(means, reference, 0.01));
 }
