@@ -15,7 +15,7 @@ constexpr int tile_size = 16;
 /// The camera's own numbers: position on the film and on the lens.
 constexpr std::uint32_t first_integrator_dimension = 4;
 constexpr double report_interval = 0.1;
-constexpr std::size_t batch_size = 64;
+constexpr std::size_t most_in_batch = 64;
 constexpr double longest_batch = 0.02;  // [s]
 /// Fewer samples can miss all of the light, and the halves then agree.
 constexpr std::uint64_t least_samples_for_error = 16;
@@ -78,15 +78,15 @@ double RenderJob::elapsed() const { return seconds_between(start_, Clock::now())
 /// Samples of a tile on their way to an estimator, and on to the film.
 class RenderJob::Batch {
 public:
-    Batch(const BatchEstimator& estimator, std::size_t size, const ReconstructionFilter& filter,
-          const CropWindow& window, const FilmLayout& layout)
+    Batch(const BatchEstimator& estimator, std::size_t most, std::atomic<std::size_t>& size,
+          const ReconstructionFilter& filter, const CropWindow& window, const FilmLayout& layout)
         : estimator_(estimator),
+          most_(most),
           size_(size),
           tile_(filter, window, layout.layers.size(), layout.unfiltered),
-          layer_count_(layout.layers.size()),
-          layers_(size * layer_count_) {
-        samples_.reserve(size);
-        places_.reserve(size);
+          layer_count_(layout.layers.size()) {
+        samples_.reserve(most);
+        places_.reserve(most);
     }
 
     /// Where a sample belongs.
@@ -99,7 +99,7 @@ public:
     /// Begins a block of so many samples, which are estimated together.
     void begin_block(std::size_t count) {
         if (samples_.size() + count > size_) estimate();
-        layers_.resize(std::max(size_, count) * layer_count_);
+        layers_.resize(std::max(most_, count) * layer_count_);
         ++block_;
     }
 
@@ -129,8 +129,7 @@ private:
         std::fill(layers_.begin(), layers_.end(), 0.0f);
         const Clock::time_point begin = Clock::now();
         estimator_(samples_);
-        // Who interrupts the render must not wait.
-        if (seconds_between(begin, Clock::now()) > longest_batch) size_ = samples_.size() / 2;
+        fit_size(seconds_between(begin, Clock::now()));
         for (std::size_t i = 0; i < samples_.size(); ++i) {
             const Place& place = places_[i];
             tile_.add({.pixel = place.pixel,
@@ -142,8 +141,19 @@ private:
         places_.clear();
     }
 
+    /// Who interrupts the render must not wait for a batch.
+    void fit_size(double seconds) {
+        const std::size_t size = size_;
+        if (seconds > longest_batch) {
+            size_ = std::max<std::size_t>(size / 2, 1);
+        } else if (seconds < 0.25 * longest_batch && size < most_) {
+            size_ = 2 * size;
+        }
+    }
+
     const BatchEstimator& estimator_;
-    std::size_t size_;  ///< most samples at once, if a block has no more
+    std::size_t most_;
+    std::atomic<std::size_t>& size_;  ///< of all threads; a block that is larger is not split
     std::uint32_t block_ = 0;
     FilmTile tile_;
     std::size_t layer_count_;
@@ -157,7 +167,7 @@ void RenderJob::render_samples(const Estimator& estimator) {
 }
 
 void RenderJob::render_batches(const BatchEstimator& estimator) {
-    run_passes([&](SampleRange range) { sample_pixels(range, estimator, batch_size); });
+    run_passes([&](SampleRange range) { sample_pixels(range, estimator, most_in_batch); });
 }
 
 void RenderJob::run_passes(const Pass& pass) {
@@ -206,13 +216,13 @@ void RenderJob::sample_pixels(SampleRange range, const Estimator& estimator) {
 }
 
 void RenderJob::sample_pixels(SampleRange range, const BatchEstimator& estimator,
-                              std::size_t size) {
+                              std::size_t most) {
     const CropWindow window = state_.layout().sampled();
     const Vector2i tiles = tiles_in(window.size);
     workers_.run(std::int64_t{tiles.x} * tiles.y, [&](std::int64_t index) {
         if (interrupted()) return;
         const CropWindow tile = tile_of(window, static_cast<int>(index));
-        Batch batch(estimator, size, filter_, tile, state_.layout());
+        Batch batch(estimator, most, batch_size_, filter_, tile, state_.layout());
         sample_tile(range, tile, batch);
         add(batch.finish());
         samples_of_tiles_ += static_cast<std::int64_t>(range.size());

@@ -88,7 +88,7 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
     class Batch;
-    void sample_pixels(SampleRange range, const BatchEstimator& estimator, std::size_t size);
+    void sample_pixels(SampleRange range, const BatchEstimator& estimator, std::size_t most);
     void sample_tile(SampleRange range, const CropWindow& tile, Batch& batch);
     void sample_block(SampleRange range, const CropWindow& tile, const CropWindow& block,
                       Batch& batch);
@@ -111,6 +111,8 @@ private:
     std::uint64_t samples_;  ///< that every pixel has
     double samples_before_;  ///< that it had when the job began
 
+    /// Samples that are estimated at once, grown and shrunk by what they take.
+    std::atomic<std::size_t> batch_size_{1};
     /// Of this pass: the number of samples per pixel that are done, summed over tiles.
     std::atomic<std::int64_t> samples_of_tiles_{0};
 

@@ -29,8 +29,9 @@ public:
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
-        if ((reuse_ & (reuse_ - 1)) != 0)
+        if ((reuse_ & (reuse_ - 1)) != 0) {
             params.error("reuse", "\"reuse\" must be 1, 2, 4, 8 or 16");
+        }
     }
 
     void prepare(const Scene&) override {

@@ -15,7 +15,6 @@
 
 #include "plugins/integrators/light_sampling.h"
 
-#include <array>
 #include <span>
 #include <vector>
 
