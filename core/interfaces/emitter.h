@@ -2,8 +2,9 @@
 /// Where light comes from.
 ///
 /// An emitter is a law of emission. A light (samples.h) is one place where it holds: a primitive of
-/// a shape for `area`, the emitter itself for all others. The scene keeps all lights in one flat
-/// table; light samplers speak of indices into it. World space; radiance in W/(m² sr).
+/// a shape for `area`, a part of the picture for `envmap`, the emitter itself for all others. The
+/// scene keeps all lights in one flat table; light samplers speak of indices into it. World space;
+/// radiance in W/(m² sr).
 #pragma once
 
 #include "core/interfaces/lanes.h"
@@ -20,6 +21,7 @@ namespace lucerna {
 /// pbrt 4e, 12.6.3). Conservative: nothing is emitted outside.
 struct LightBounds {
     Bounds3 box;              ///< of the emitting points; empty for lights at infinity
+    Bounds3 directions{};     ///< of unit vectors towards a light at infinity; empty for others
     Vector3 axis{0, 0, 1};    ///< of the cone of normals
     float cos_normals = -1;   ///< cosine of the largest angle between axis and a normal
     float cos_emission = -1;  ///< cosine of the largest angle between a normal and emission
@@ -37,6 +39,10 @@ public:
     virtual bool on_surface() const { return false; }
     /// At infinity: met by rays that hit nothing, and lit from all over the scene.
     virtual bool infinite() const { return false; }
+    /// Number of lights that an emitter without a shape makes; their `primitive` is 0, 1, 2, …
+    virtual std::uint32_t light_count() const { return 1; }
+    /// Which of them rays of direction `d` meet that hit nothing.
+    virtual std::uint32_t primitive_along(Vector3) const { return 0; }
     /// Cannot be hit by chance (point, spot, directional): multiple importance sampling leaves
     /// it to light sampling alone.
     virtual bool delta() const { return false; }

@@ -148,7 +148,7 @@ struct SurfaceSample {
 struct Light {
     const Emitter* emitter = nullptr;
     const Shape* shape = nullptr;  ///< null for point, spot, directional, environment
-    std::uint32_t primitive = 0;
+    std::uint32_t primitive = 0;   ///< of the shape, or of the emitter if there is none
 };
 
 /// Light that arrives at a receiver from one sampled point or direction.

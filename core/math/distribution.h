@@ -117,6 +117,8 @@ private:
 /// caches. The map from u is monotonic in rows and in columns, which keeps what samplers stratify.
 class PiecewiseConstant2D {
 public:
+    static constexpr int side = 8;  ///< of a tile
+
     struct Sample {
         Vector2 p;
         float pdf;
@@ -137,7 +139,6 @@ public:
     double total() const { return total_; }
 
 private:
-    static constexpr int side = 8;
     static constexpr std::uint32_t none = 0xffffffff;
     struct Tile {
         float density = 0;             ///< mean of its cells

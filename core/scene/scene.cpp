@@ -96,7 +96,9 @@ void Scene::collect_lights() {
         if (emitter->infinite()) {
             infinite_lights_.push_back(static_cast<std::uint32_t>(lights_.size()));
         }
-        lights_.push_back({.emitter = emitter});
+        for (std::uint32_t i = 0; i < emitter->light_count(); ++i) {
+            lights_.push_back({.emitter = emitter, .primitive = i});
+        }
     }
     for (std::size_t index = 0; index < parts_.shapes.size(); ++index) {
         Shape* shape = parts_.shapes[index];

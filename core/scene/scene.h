@@ -62,11 +62,15 @@ public:
 
     /// All lights: lights().size() may be millions.
     std::span<const Light> lights() const { return lights_; }
-    /// Indices of the lights at infinity.
+    /// For each emitter at infinity, the index of its first light.
     std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
     /// The light that a point of an emitting surface belongs to.
     static std::uint32_t light_of(const Interaction& at) {
         return at.shape->first_light() + at.primitive;
+    }
+    /// The light of an emitter at infinity, whose first one is `first`, that rays along `d` meet.
+    std::uint32_t light_along(std::uint32_t first, Vector3 d) const {
+        return first + lights_[first].emitter->primitive_along(d);
     }
     /// Radiance that arrives from infinity along a ray of direction `d`.
     Color environment(Vector3 d) const;

@@ -62,6 +62,15 @@ Census take_census(const Scene& scene) {
     return census;
 }
 
+/// Patches of an environment map are lights, too.
+std::size_t lights_at_infinity(const Scene& scene) {
+    std::size_t count = 0;
+    for (const std::uint32_t first : scene.infinite_lights()) {
+        count += scene.lights()[first].emitter->light_count();
+    }
+    return count;
+}
+
 Json scene_json(const Session& session, const std::string& path) {
     const Scene& scene = session.scene();
     const Census census = take_census(scene);
@@ -74,7 +83,7 @@ Json scene_json(const Session& session, const std::string& path) {
     json.set("parallelograms", census.parallelograms).set("analytic", census.analytic);
     json.set("instances", census.instances);
     json.set("lights", scene.lights().size());
-    json.set("lights_at_infinity", scene.infinite_lights().size());
+    json.set("lights_at_infinity", lights_at_infinity(scene));
     json.set("accelerator_bytes", scene.accelerator_bytes());
     json.set("peak_memory_bytes", peak_memory());
     json.set("plugins", session.registry().opened());
@@ -98,7 +107,7 @@ void print_scene(const Session& session, const std::string& path) {
                census.shapes, census.triangles, census.parallelograms, census.analytic,
                census.instances);
     fmt::print("lights      {}, {} of them at infinity\n", scene.lights().size(),
-               scene.infinite_lights().size());
+               lights_at_infinity(scene));
     fmt::print("bounds      {} to {}\n", text(scene.bounds().min), text(scene.bounds().max));
     fmt::print("accelerator {}\n", mebibytes(scene.accelerator_bytes()));
     fmt::print("memory      {} at most\n", mebibytes(peak_memory()));

@@ -73,6 +73,7 @@ public:
     LightBounds bounds(const Light&) const override {
         const double area = static_cast<double>(sphere_.cross_section());
         return {.box = {},
+                .directions = {.min = Vector3(-1), .max = Vector3(1)},
                 .power = 4 * std::numbers::pi * area * static_cast<double>(luminance(radiance_))};
     }
 

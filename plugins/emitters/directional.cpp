@@ -77,7 +77,9 @@ public:
 
     LightBounds bounds(const Light&) const override {
         const double area = static_cast<double>(sphere_.cross_section());
-        return {.box = {}, .power = area * static_cast<double>(luminance(irradiance_))};
+        return {.box = {},
+                .directions = {.min = -direction_, .max = -direction_},
+                .power = area * static_cast<double>(luminance(irradiance_))};
     }
 
 private:

@@ -9,7 +9,9 @@
 ///   pdf(d)  = p(u, v) / (2π² sin θ)                             (pbrt 4e, 12.5.2)
 ///
 /// p is constant in each texel and proportional to the luminance that the interpolation has there
-/// on average, times sin θ: so it is positive wherever the light is.
+/// on average, times sin θ: so it is positive wherever the light is. Large pictures are many lights
+/// (map_patches.h); p is then that of the light's patch.
+#include "plugins/emitters/map_patches.h"
 #include "plugins/emitters/scene_sphere.h"
 
 #include "core/base/huge_pages.h"
@@ -17,7 +19,6 @@
 #include "core/image/read_image.h"
 #include "core/interfaces/emitter.h"
 #include "core/math/angle.h"
-#include "core/math/distribution.h"
 #include "core/math/orientation.h"
 #include "core/math/sequences.h"
 #include "core/math/warp.h"
@@ -95,20 +96,28 @@ public:
         return lookup(map_point(world_from_map_.to_local(d)).uv);
     }
 
-    std::optional<LightSample> sample_li(const Light&, const Receiver&, Vector2 u) const override {
-        const auto [d, radiance, pdf] = sample_direction(u);
+    std::uint32_t light_count() const override { return patches_.size(); }
+    std::uint32_t primitive_along(Vector3 d) const override {
+        return patches_.at(map_point(world_from_map_.to_local(d)).uv);
+    }
+
+    std::optional<LightSample> sample_li(const Light& light, const Receiver&,
+                                         Vector2 u) const override {
+        const auto [d, radiance, pdf] = sample_direction(light.primitive, u);
         if (!(pdf > 0)) return {};
         return LightSample{.wi = d, .distance = infinity, .radiance = radiance, .pdf = pdf};
     }
 
-    float pdf_li(const Light&, const Receiver&, Vector3 wi, const Interaction*) const override {
+    float pdf_li(const Light& light, const Receiver&, Vector3 wi,
+                 const Interaction*) const override {
         const MapPoint at = map_point(world_from_map_.to_local(wi));
-        return at.sin_theta > 0 ? table_.pdf(at.uv) / (2 * pi * pi * at.sin_theta) : 0.0f;
+        if (!(at.sin_theta > 0)) return 0;
+        return patches_.pdf(light.primitive, at.uv) / (2 * pi * pi * at.sin_theta);
     }
 
-    std::optional<EmissionSample> sample_emission(const Light&, Vector2 u_position,
+    std::optional<EmissionSample> sample_emission(const Light& light, Vector2 u_position,
                                                   Vector2 u_direction) const override {
-        const auto [d, radiance, pdf] = sample_direction(u_direction);
+        const auto [d, radiance, pdf] = sample_direction(light.primitive, u_direction);
         if (!(pdf > 0)) return {};
         const float area = sphere_.cross_section();
         return EmissionSample{.ray = {.o = sphere_.ray_origin(-d, u_position), .d = -d},
@@ -117,8 +126,11 @@ public:
                               .pdf_direction = pdf};
     }
 
-    LightBounds bounds(const Light&) const override {
-        return {.box = {}, .power = static_cast<double>(sphere_.cross_section()) * table_.total()};
+    LightBounds bounds(const Light& light) const override {
+        return {.box = {},
+                .directions = directions(light.primitive),
+                .power =
+                    static_cast<double>(sphere_.cross_section()) * patches_.power(light.primitive)};
     }
 
 private:
@@ -128,12 +140,25 @@ private:
         float pdf = 0;
     };
 
-    DirectionSample sample_direction(Vector2 u) const {
-        const PiecewiseConstant2D::Sample at = table_.sample(with_more_bits(u));
+    DirectionSample sample_direction(std::uint32_t patch, Vector2 u) const {
+        const PiecewiseConstant2D::Sample at = patches_.sample(patch, with_more_bits(u));
         float sin_theta = 0;
         const Vector3 d = map_direction(at.p, sin_theta);
         if (!(at.pdf > 0 && sin_theta > 0)) return {};
         return {world_from_map_.to_world(d), lookup(at.p), at.pdf / (2 * pi * pi * sin_theta)};
+    }
+
+    /// Bounds of the directions of a patch. Between neighbours of a grid no coordinate differs from
+    /// its linear interpolation by more than an eighth of the squared steps, in radians.
+    Bounds3 directions(std::uint32_t patch) const {
+        Bounds3 box;
+        patches_.for_each_corner(patch, [&](Vector2 uv) {
+            float sin_theta = 0;
+            box.include(world_from_map_.to_world(map_direction(uv, sin_theta)));
+        });
+        const Vector2 step = Vector2(2 * pi, pi) * patches_.step();
+        const Vector3 margin(glm::dot(step, step) / 8);
+        return {.min = box.min - margin, .max = box.max + margin};
     }
 
     /// Copies the colours; returns the number of texels that cannot be. Channels just below zero
@@ -176,7 +201,7 @@ private:
                     static_cast<float>(static_cast<double>(mean) * solid_angle);
             }
         }
-        table_ = PiecewiseConstant2D(weights, width_, height_);
+        patches_ = MapPatches(weights, width_, height_);
     }
 
     Color texel(int x, int y) const {
@@ -201,7 +226,7 @@ private:
     Frame world_from_map_;
     int width_ = 0, height_ = 0;
     std::vector<Color, HugePages<Color>> texels_;
-    PiecewiseConstant2D table_;
+    MapPatches patches_;
     SceneSphere sphere_;
 };
 

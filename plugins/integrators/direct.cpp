@@ -77,7 +77,8 @@ Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, V
         beta *= straight_transmittance(*hit, -wi);
     }
     if (hit || is_black(beta)) return sum;
-    for (const std::uint32_t i : scene.infinite_lights()) {
+    for (const std::uint32_t first : scene.infinite_lights()) {
+        const std::uint32_t i = scene.light_along(first, wi);
         const Light& light = scene.lights()[i];
         const float density =
             light_sampler_.pmf(receiver, i) * light.emitter->pdf_li(light, receiver, wi, nullptr);

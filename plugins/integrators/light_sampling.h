@@ -48,12 +48,13 @@ struct PathVertex {
 inline Color found_environment(const Scene& scene, const LightSampler& sampler,
                                const PathVertex& before, Vector3 d) {
     Color sum(0);
-    for (const std::uint32_t i : scene.infinite_lights()) {
-        const Light& light = scene.lights()[i];
-        const Color radiance = light.emitter->environment(d);
+    for (const std::uint32_t first : scene.infinite_lights()) {
+        const Color radiance = scene.lights()[first].emitter->environment(d);
         if (is_black(radiance)) continue;
         float weight = 1;
         if (!before.specular) {
+            const std::uint32_t i = scene.light_along(first, d);
+            const Light& light = scene.lights()[i];
             const float density = sampler.pmf(before.receiver, i) *
                                   light.emitter->pdf_li(light, before.receiver, d, nullptr);
             weight = power_heuristic(before.pdf, density);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// all: every light at every point: the plain ray tracer that other samplers are measured against.
 ///
-/// No variance from the choice of lights, and a cost that grows with their number.
-#include "core/interfaces/light_sampler.h"
-#include "core/scene/scene.h"
+/// No variance from the choice of lights, and a cost that grows with their number. An environment
+/// map counts as one.
+#include "plugins/light_samplers/light_groups.h"
 
 #include <limits>
 
@@ -19,27 +19,31 @@ public:
                                                       "samples on each light at each point"))) {}
 
     void prepare(const Scene& scene) override {
-        if (scene.lights().size() > std::numeric_limits<std::uint32_t>::max() / samples_) {
+        groups_ = LightGroups(scene);
+        if (groups_.size() > std::numeric_limits<std::uint32_t>::max() / samples_) {
             throw Error("light sampler \"all\" cannot visit so many lights: use \"power\"");
         }
-        draws_ = static_cast<std::uint32_t>(scene.lights().size()) * samples_;
     }
 
-    std::uint32_t draws() const override { return draws_; }
-
-    std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
-                                      float) const override {
-        const std::uint32_t light = draw / samples_;
-        return LightChoice{light, pmf(at, light)};
+    std::uint32_t draws() const override {
+        return static_cast<std::uint32_t>(groups_.size()) * samples_;
     }
 
-    float pmf(const Receiver&, std::uint32_t) const override {
-        return static_cast<float>(samples_);
+    std::optional<LightChoice> sample(const Receiver&, std::uint32_t draw, float u) const override {
+        // Stratified over the samples of a group.
+        const double place = (draw % samples_ + static_cast<double>(u)) / samples_;
+        LightChoice choice = groups_.draw(draw / samples_, place);
+        choice.pmf *= static_cast<float>(samples_);
+        return choice;
+    }
+
+    float pmf(const Receiver&, std::uint32_t light) const override {
+        return static_cast<float>(samples_) * groups_.pmf(light);
     }
 
 private:
     std::uint32_t samples_;
-    std::uint32_t draws_ = 0;
+    LightGroups groups_;
 };
 
 }  // namespace

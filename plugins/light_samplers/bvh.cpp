@@ -17,6 +17,7 @@
 #include "core/scene/scene.h"
 #include "plugins/light_samplers/compact_bounds.h"
 #include "plugins/light_samplers/fine_bits.h"
+#include "plugins/light_samplers/light_groups.h"
 #include "plugins/light_samplers/light_tree.h"
 
 namespace lucerna {
@@ -30,7 +31,9 @@ public:
               "light_samples", 1, {.min = 1, .max = 1024}, "lights chosen at each point"))) {}
 
     void prepare(const Scene& scene) override;
-    std::uint32_t draws() const override { return tree_.empty() && infinite_.empty() ? 0 : draws_; }
+    std::uint32_t draws() const override {
+        return tree_.empty() && groups_.infinite() == 0 ? 0 : draws_;
+    }
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override;
     float pmf(const Receiver& at, std::uint32_t light) const override;
@@ -57,14 +60,14 @@ private:
 
     /// Draws at each point that go to lights at infinity.
     float infinite_share() const {
-        const auto n = static_cast<float>(infinite_.size());
+        const auto n = static_cast<float>(groups_.infinite());
         return n / (n + (tree_.empty() ? 0.0f : 1.0f));
     }
 
     std::uint32_t draws_;
     std::vector<Node> tree_;
     float least_distance2_ = 1e-37f;  ///< of a point to a light
-    std::vector<std::uint32_t> infinite_;
+    LightGroups groups_;
     std::vector<std::uint64_t> paths_;  ///< of each light of the scene
 };
 
@@ -95,7 +98,7 @@ float pbrt_power(const Light& light, const LightBounds& bounds) {
 void BVHLightSampler::prepare(const Scene& scene) {
     std::vector<TreeLight> lights;
     paths_.assign(scene.lights().size(), no_path);
-    infinite_.clear();
+    groups_ = LightGroups(scene);
     double largest = 0;
     for (const Light& light : scene.lights()) {
         if (!light.emitter->infinite()) {
@@ -105,11 +108,7 @@ void BVHLightSampler::prepare(const Scene& scene) {
     for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
         const Light& light = scene.lights()[i];
         LightBounds bounds = light.emitter->bounds(light);
-        if (!(bounds.power > 0)) continue;
-        if (light.emitter->infinite()) {
-            infinite_.push_back(i);
-            continue;
-        }
+        if (!(bounds.power > 0) || light.emitter->infinite()) continue;
         bounds.power = std::max(bounds.power / largest, 1e-30);
         lights.push_back({.cluster = {.box = bounds.box,
                                       .axis = bounds.axis,
@@ -168,10 +167,12 @@ std::optional<LightChoice> BVHLightSampler::sample(const Receiver& at, std::uint
     const auto scale = static_cast<float>(draws_);
     const float infinite = infinite_share();
     if (place < static_cast<double>(infinite)) {
-        const auto count = static_cast<double>(infinite_.size());
-        const auto i = static_cast<std::size_t>(place / static_cast<double>(infinite) * count);
-        return LightChoice{infinite_[std::min(i, infinite_.size() - 1)],
-                           scale * infinite / static_cast<float>(count)};
+        const auto count = static_cast<double>(groups_.infinite());
+        place *= count / static_cast<double>(infinite);
+        const double group = std::min(std::floor(place), count - 1);
+        LightChoice choice = groups_.draw(static_cast<std::size_t>(group), place - group);
+        choice.pmf *= scale * infinite / static_cast<float>(count);
+        return choice;
     }
     if (tree_.empty()) return {};
     place = (place - static_cast<double>(infinite)) / (1 - static_cast<double>(infinite));
@@ -203,8 +204,8 @@ std::optional<LightChoice> BVHLightSampler::sample(const Receiver& at, std::uint
 float BVHLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
     const auto scale = static_cast<float>(draws_);
     const float infinite = infinite_share();
-    if (std::binary_search(infinite_.begin(), infinite_.end(), light)) {
-        return scale * infinite / static_cast<float>(infinite_.size());
+    if (groups_.at_infinity(light)) {
+        return scale * infinite / static_cast<float>(groups_.infinite()) * groups_.pmf(light);
     }
     std::uint64_t path = paths_[light];
     if (path == no_path) return 0;

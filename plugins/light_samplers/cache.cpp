@@ -14,7 +14,8 @@
 ///
 /// A light that the cell remembers and the tree draws is not used: it is the lists'. Where no cell
 /// is known, the tree draws alone. Every light that can contribute has a probability, so no shadow
-/// ray that missed biases an image. Lights at infinity are an entry of the lists. The cell is that
+/// ray that missed biases an image. Lights at infinity, patches of environment maps among them, are
+/// a list of their own that holds all of them, weighed like F. The cell is that
 /// of a point up to half a cell beside x, chosen by a hash of x, so that borders of cells do not
 /// show.
 #include "core/interfaces/light_sampler.h"
@@ -33,6 +34,8 @@ constexpr std::size_t most_lights = 256;
 constexpr std::size_t least_points = 3;  ///< fewer are not worth a cell
 /// No more lights than these need no cells: all are weighed at each point.
 constexpr std::size_t few_enough = LightLanes::width;
+
+constexpr float least_infinite_rays = 64;  ///< of a cell, to lights at infinity
 
 /// How draws are shared out at a point, as a thread last found it.
 struct Shares {
@@ -85,8 +88,13 @@ private:
     Draw begin(const Receiver& at, const Shares& shares, std::uint32_t draw, float u) const;
     Draw begin_in_lists(const Shares& shares, double place) const;
     std::optional<LightChoice> end(const Draw& draw) const;
-    float infinite_pmf(std::uint32_t i) const {
-        return static_cast<float>(lights_.infinite_power.pmf(i));
+    /// Whether the cell has learnt what lights at infinity bring.
+    static bool learnt_infinite(const Shares& shares) {
+        return shares.cell && shares.cell->infinite.size() > 0;
+    }
+    float infinite_pmf(const Shares& shares, std::uint32_t i) const {
+        if (learnt_infinite(shares)) return shares.list * shares.cell->infinite.weight_of(i);
+        return shares.infinite * static_cast<float>(lights_.infinite_power.pmf(i));
     }
 
     std::uint32_t draws_;
@@ -136,8 +144,10 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
                           "most paths from the camera that find cells; one for two pixels");
     pilots_.bounces =
         params.int32("bounces", 2, {.min = 0, .max = 16}, "after which those paths end");
-    cell_size_ = params.real("cell_size", 1.0 / 64, {.min = 1e-4, .max = 100},
-                             "largest edge of a cell, relative to its distance to the camera");
+    cell_size_ = params.real(
+        "cell_size", 1.0 / 64, {.min = 1e-4, .max = 100},
+        "largest edge of a cell, relative to its distance to the camera; four times that "
+        "if there are only lights at infinity");
     most_cells_ = count("max_cells", 8192, 1 << 20, "cells grow until they are no more than these");
     jitter_ = params.real("jitter", 1, unit_interval,
                           "size of the region around a point, in cells, whose cells it uses");
@@ -152,8 +162,8 @@ void CacheLightSampler::prepare(const Scene& scene) {
     grid_ = {};
     everywhere_.reset();
     const bool looks = scene.integrator().light_bounces() >= 0;
-    if (!looks || lights_.finite == 0) return;
-    if (lights_.every.blocks() == 1) {
+    if (!looks || (lights_.finite == 0 && lights_.infinite.size() <= few_enough)) return;
+    if (lights_.every.blocks() == 1 && lights_.infinite.size() <= few_enough) {
         everywhere_.emplace();
         everywhere_->near = lights_.every;
         everywhere_->tail = 0;
@@ -220,7 +230,8 @@ void CacheLightSampler::make_cells(const Scene& scene) {
     const std::vector<Receiver> points = pilot_receivers(scene, pilots_.within(scene), workers);
     const Vector3 eye = eye_of(scene);
 
-    float size = cell_size_;
+    // What is seen of lights at infinity changes less from place to place.
+    float size = lights_.finite > 0 ? cell_size_ : 4 * cell_size_;
     grid_ = CellGrid(eye, scene.bounds(), size);
     CellPoints cells(grid_, points);
     while (cells.keys.size() > most_cells_ && size < 1e4f) {
@@ -239,24 +250,33 @@ void CacheLightSampler::make_cells(const Scene& scene) {
             task(i, study);
         });
     };
-    std::vector<Candidates> known(cells_.size());
+    std::vector<Candidates> known(cells_.size()), infinite(cells_.size());
     std::vector<FarLights> others(cells_.size());
     const bool knows_all = lights_.finite <= few_ && lights_.every.blocks() > 0;
     const std::size_t count = knows_all ? options_.candidates : options_.clusters;
     const auto rays =
         static_cast<std::size_t>(static_cast<float>(count) * options_.rays_per_candidate);
+    const auto infinite_rays = static_cast<std::size_t>(
+        std::max(least_infinite_rays,
+                 static_cast<float>(lights_.infinite.size()) * options_.rays_per_candidate));
     for_each_cell([&](std::size_t i, LightStudy& study) {
         known[i] = study.cut(count, rays);
         if (knows_all) others[i] = unoccluded_weights(study, lights_);
+        infinite[i] = study.infinite(infinite_rays);
         std::sort(known[i].all.begin(), known[i].all.end(),
                   [](const Candidate& a, const Candidate& b) { return a.precedes(b); });
     });
-    for_each_cell([&](std::size_t i, LightStudy& study) {
+    const auto joined = [&](const std::vector<Candidates>& all, std::size_t i) {
         std::vector<const Candidates*> around;
-        for (const std::uint32_t k : grid_.neighbours(cells.keys[i])) around.push_back(&known[k]);
-        Candidates mine = known[i];
+        for (const std::uint32_t k : grid_.neighbours(cells.keys[i])) around.push_back(&all[k]);
+        Candidates mine = all[i];
         if (options_.lent_rays > 0) mine.borrow(around, options_.lent_rays);
-        cells_[i] = CellBuilder(study, lights_, options_).build(std::move(mine), others[i]);
+        return mine;
+    };
+    workers.run(static_cast<std::int64_t>(cells_.size()), [&](std::int64_t index) {
+        const auto i = static_cast<std::size_t>(index);
+        cells_[i] =
+            CellBuilder(lights_, options_).build(joined(known, i), joined(infinite, i), others[i]);
     });
 }
 
@@ -288,13 +308,13 @@ const Shares& CacheLightSampler::share_out(const Receiver& at, const LightCell* 
     if (!cell) return shares;
     cell->near.weigh(LitPoint(at), shares.weights);
     if (everywhere_) return share_everywhere(shares);
-    const float total = cell->infinite + cell->far.total() + cell->clusters.total() +
+    const float total = cell->infinite.total() + cell->far.total() + cell->clusters.total() +
                         cell->near.total(shares.weights);
     if (!(total > 0)) return shares;
     shares.cell = cell;
     shares.tree = cell->tail;
     shares.list = (1 - cell->tail) / total;
-    shares.infinite = cell->infinite * shares.list;
+    shares.infinite = cell->infinite.total() * shares.list;
     return shares;
 }
 
@@ -339,10 +359,12 @@ Draw CacheLightSampler::begin(const Receiver& at, const Shares& shares, std::uin
     double place = fine_number(at, draw, draws_, u);
     const auto infinite = static_cast<double>(shares.infinite);
     if (place < infinite) {
+        const double rest = std::min(place / infinite, 1 - 0x1p-53);
         const std::uint32_t i =
-            lights_.infinite_power.sample(std::min(place / infinite, 1 - 0x1p-53));
-        return {.light =
-                    LightChoice{lights_.infinite[i], scale * (shares.infinite * infinite_pmf(i))}};
+            learnt_infinite(shares)
+                ? shares.cell->infinite.draw(rest * double{shares.cell->infinite.total()}).light
+                : lights_.infinite_power.sample(rest);
+        return {.light = LightChoice{lights_.infinite[i], scale * infinite_pmf(shares, i)}};
     }
     const auto tree = static_cast<double>(shares.tree);
     if (shares.cell && place < 1 - tree) {
@@ -411,7 +433,7 @@ float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
     const auto found = std::lower_bound(lights_.infinite.begin(), lights_.infinite.end(), light);
     if (found != lights_.infinite.end() && *found == light) {
         const auto i = static_cast<std::uint32_t>(found - lights_.infinite.begin());
-        return scale * (shares.infinite * infinite_pmf(i));
+        return scale * infinite_pmf(shares, i);
     }
     if (shares.cell && lights_.tree.holds(light)) {
         const std::size_t lane = shares.cell->near.find(light);

@@ -12,6 +12,8 @@
 
 #include "plugins/light_samplers/kept_lights.h"
 
+#include <numeric>
+
 namespace lucerna {
 
 struct CellOptions {
@@ -30,8 +32,8 @@ struct LightCell {
     NearLights near;
     FarLights far;
     FarLights clusters;  ///< nodes of the tree
+    FarLights infinite;  ///< all lights at infinity, by their places in SceneLights::infinite
     float tail = 1;      ///< share of draws that the tree gets
-    float infinite = 0;  ///< contribution of all lights at infinity together
 
     /// Asks the memory for what a draw will read first: where the lists are, then them.
     enum class Prefetch { addresses, data };
@@ -39,6 +41,7 @@ struct LightCell {
         if (what == Prefetch::data) {
             near.prefetch();
             clusters.prefetch();
+            infinite.prefetch();
             return;
         }
         const auto* const begin = reinterpret_cast<const char*>(this);
@@ -55,20 +58,21 @@ struct LightCell {
         return KeptLights(near, far).holds(light) || cluster_of(light, tree);
     }
     std::size_t bytes() const {
-        return sizeof(*this) + near.bytes() + far.bytes() + clusters.bytes();
+        return sizeof(*this) + near.bytes() + far.bytes() + clusters.bytes() + infinite.bytes();
     }
 };
 
 class CellBuilder {
 public:
-    CellBuilder(LightStudy& study, const SceneLights& lights, const CellOptions& options)
-        : study_(study), lights_(lights), options_(options) {}
+    CellBuilder(const SceneLights& lights, const CellOptions& options)
+        : lights_(lights), options_(options) {}
 
     /// `others`: if every light is to be remembered, their unoccluded contributions.
-    LightCell build(Candidates candidates, const FarLights& others) {
+    /// `infinite`: lights at infinity, in their order.
+    LightCell build(Candidates candidates, const Candidates& infinite, const FarLights& others) {
         LightCell cell;
         keep_best(candidates, others, cell);
-        cell.infinite = study_.infinite_contribution();
+        weigh_infinite(infinite, cell);
         if (cell.is_empty() && lights_.infinite.empty()) return cell;
         const std::size_t kept = KeptLights(cell.near, cell.far).count() + cell.clusters.size();
         const bool has_all = kept == (candidates.complete ? candidates.all.size() : lights_.finite);
@@ -78,8 +82,8 @@ public:
 
 private:
     void keep_best(Candidates& candidates, const FarLights& others, LightCell& cell) const;
+    void weigh_infinite(const Candidates& infinite, LightCell& cell) const;
 
-    LightStudy& study_;
     const SceneLights& lights_;
     const CellOptions& options_;
 };
@@ -127,6 +131,22 @@ inline void CellBuilder::keep_best(Candidates& candidates, const FarLights& othe
     } else {
         cell.far.assign(weights);
     }
+}
+
+/// No light at infinity is left to the tail, as a normal that was not studied may face any of them.
+/// Together they are never taken for less than a tenth of what they bring to an open place.
+inline void CellBuilder::weigh_infinite(const Candidates& infinite, LightCell& cell) const {
+    const float least = 0.25f * assumed_visibility(0, options_.floor);
+    std::vector<float> weights;
+    for (const Candidate& c : infinite.all) {
+        const float facing = lights_.facing_irradiance(weights.size());
+        const float learnt = c.mean * assumed_visibility(c.visibility(), options_.floor);
+        weights.push_back(std::max(learnt, least * facing));
+    }
+    const auto sum = static_cast<double>(std::accumulate(weights.begin(), weights.end(), 0.0f));
+    const double scale = sum > 0 ? 0.1 * lights_.infinite_irradiance / sum : 1.0;
+    for (float& w : weights) w *= static_cast<float>(std::max(scale, 1.0));
+    cell.infinite.assign(weights);
 }
 
 /// What lights contribute where nothing is in between, if a study has asked all of them.

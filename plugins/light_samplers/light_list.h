@@ -4,7 +4,7 @@
 
 #include "core/scene/scene.h"
 #include "plugins/emitters/scene_sphere.h"
-#include "plugins/light_samplers/light_lanes.h"
+#include "plugins/light_samplers/infinite_lanes.h"
 
 namespace lucerna {
 
@@ -14,8 +14,9 @@ struct LightList {
     std::vector<TreeLight> finite;  ///< with intensities for powers
     std::vector<float> facing;      ///< of each of `finite`
     std::vector<std::uint32_t> infinite;
-    std::vector<double> irradiance;  ///< of each of `infinite`, facing it, in units
-    double unit = 0;                 ///< [W/sr]
+    std::vector<double> irradiance;             ///< of each of `infinite`, facing it, in units
+    std::vector<InfiniteLanes> infinite_lanes;  ///< of `infinite`, in units
+    double unit = 0;                            ///< [W/sr]
 
     explicit LightList(const Scene& scene);
 
@@ -61,11 +62,17 @@ inline LightList::LightList(const Scene& scene) {
             continue;
         }
         // An environment as if it were the same everywhere; a direction from where it comes.
+        const std::size_t lane = infinite.size() % InfiniteLanes::width;
+        if (lane == 0) infinite_lanes.emplace_back();
+        infinite_lanes.back().set(lane, bounds.directions, static_cast<float>(bounds.power / area));
         infinite.push_back(i);
         irradiance.push_back((light.emitter->delta() ? 1 : 0.25) * bounds.power / area);
     }
     if (!(unit > 0)) unit = 1;
     for (double& e : irradiance) e /= unit;
+    for (InfiniteLanes& lanes : infinite_lanes) {
+        for (float& e : lanes.irradiance) e = static_cast<float>(static_cast<double>(e) / unit);
+    }
     for (TreeLight& light : finite) {
         const double power = static_cast<double>(light.cluster.power) / unit;
         light.cluster.power = static_cast<float>(std::max(power, 1e-25));

@@ -24,9 +24,11 @@ constexpr std::size_t few_lights = 8192;
 /// The lights of a scene: a tree of those that are somewhere, a distribution of those at infinity.
 struct SceneLights {
     LightTree8 tree;
-    std::size_t lights = 0;               ///< of the scene, also those that do not shine
-    std::size_t finite = 0;               ///< lights in the tree
-    std::vector<std::uint32_t> infinite;  ///< lights at infinity
+    std::size_t lights = 0;                     ///< of the scene, also those that do not shine
+    std::size_t finite = 0;                     ///< lights in the tree
+    std::vector<std::uint32_t> infinite;        ///< lights at infinity
+    std::vector<InfiniteLanes> infinite_lanes;  ///< of `infinite`
+    std::size_t infinite_emitters = 0;          ///< whose lights they are
     DiscreteDistribution infinite_power;
     double infinite_irradiance = 0;  ///< that they are expected to cause together
     double unit = 1;                 ///< irradiance that counts as 1
@@ -39,6 +41,11 @@ struct SceneLights {
         lights = scene.lights().size();
         finite = list.finite.size();
         infinite = list.infinite;
+        infinite_lanes = list.infinite_lanes;
+        for (std::size_t i = 0; i < infinite.size(); ++i) {
+            infinite_emitters += i == 0 || scene.lights()[infinite[i]].emitter !=
+                                               scene.lights()[infinite[i - 1]].emitter;
+        }
         infinite_power = DiscreteDistribution(list.irradiance);
         for (const double e : list.irradiance) infinite_irradiance += e;
         unit = list.unit;
@@ -52,13 +59,18 @@ struct SceneLights {
     }
 
     std::size_t count() const { return finite + infinite.size(); }
+    /// What a light at infinity causes on a surface that faces it, in units.
+    float facing_irradiance(std::size_t i) const {
+        constexpr std::size_t width = InfiniteLanes::width;
+        return infinite_lanes[i / width].irradiance[i % width];
+    }
     std::optional<std::uint32_t> only_light() const {
         if (count() != 1) return {};
         return finite == 1 ? tree[0].link[0] : infinite.front();
     }
     /// Share of those at infinity where nothing else is known, after pbrt-v4.
     float infinite_share() const {
-        const auto n = static_cast<float>(infinite.size());
+        const auto n = static_cast<float>(infinite_emitters);
         return n / (n + (finite > 0 ? 1.0f : 0.0f));
     }
 };
@@ -102,6 +114,8 @@ public:
 
     /// What the lights at infinity bring together, learnt from shadow rays.
     float infinite_contribution();
+    /// All lights at infinity, with what `rays` shadow rays tell of them.
+    Candidates infinite(std::size_t rays);
 
 private:
     void bound_region(float margin);
@@ -299,6 +313,30 @@ inline float LightStudy::infinite_contribution() {
     }
     // Where little of the sky is seen, one sample of it is noisier than one of a window.
     return static_cast<float>(std::max(sum / samples, 0.1 * lights_.infinite_irradiance));
+}
+
+inline Candidates LightStudy::infinite(std::size_t rays) {
+    const std::span<const InfiniteLanes> blocks = lights_.infinite_lanes;
+    const std::size_t points = lit_.size(), lanes = InfiniteLanes::width * blocks.size();
+    std::vector<float> bound(lanes), at_point(lanes);
+    contributions(blocks, region_, bound.data());
+    weights_.assign(lanes * points, 0.0f);
+    std::vector<float> sums(lanes);
+    for (std::size_t p = 0; p < points; ++p) {
+        contributions(blocks, lit_[p], at_point.data());
+        for (std::size_t i = 0; i < lanes; ++i) {
+            weights_[i * points + p] = at_point[i];
+            sums[i] += at_point[i];
+        }
+    }
+    candidates_ = {};
+    candidates_.parents = {0};
+    for (std::size_t i = 0; i < lights_.infinite.size(); ++i) {
+        candidates_.all.push_back(
+            {.light = lights_.infinite[i], .mean = mean_of(sums[i], bound[i])});
+    }
+    trace_rounds(rays);
+    return std::move(candidates_);
 }
 
 /// One ray to a candidate, from a point drawn in proportion to the contribution there.

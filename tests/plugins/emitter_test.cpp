@@ -3,6 +3,7 @@
 /// light that each casts.
 #include "core/image/exr.h"
 #include "core/image/png.h"
+#include "core/math/distribution.h"
 #include "core/math/warp.h"
 #include "core/scene/scene.h"
 #include "tests/plugins/workshop.h"
@@ -62,16 +63,33 @@ Draw draw(const Scene& scene, const Receiver& from, Rng& rng) {
     return {light, chosen.emitter->sample_li(chosen, from, u)};
 }
 
-/// Irradiance at a receiver that nothing blocks [W/m²].
-RunningStatistics irradiance(const Scene& scene, const Receiver& at, int samples = 100000) {
+/// Lights in proportion to their power; all alike if none has any.
+DiscreteDistribution by_power(const Scene& scene) {
+    std::vector<double> powers;
+    double total = 0;
+    for (const Light& light : scene.lights()) {
+        powers.push_back(light.emitter->bounds(light).power);
+        total += powers.back();
+    }
+    if (!(total > 0)) std::fill(powers.begin(), powers.end(), 1.0);
+    return DiscreteDistribution(powers);
+}
+
+/// Irradiance at a receiver that nothing blocks [W/m²], by light of luminance up to `most`.
+RunningStatistics irradiance(const Scene& scene, const Receiver& at, int samples = 100000,
+                             float most = infinity) {
     Rng rng(7);
     RunningStatistics e;
+    const DiscreteDistribution choice = by_power(scene);
     for (int i = 0; i < samples; ++i) {
-        const auto [light, s] = draw(scene, at, rng);
-        const float cosine = s ? std::max(glm::dot(s->wi, at.ns), 0.0f) : 0;
-        e.add(s ? static_cast<double>(luminance(s->radiance) * cosine / s->pdf) *
-                      static_cast<double>(scene.lights().size())
-                : 0);
+        const std::uint32_t k = choice.sample(rng.next_double());
+        const Vector2 u = rng.next_float2();
+        const Light& light = scene.lights()[k];
+        const auto s = light.emitter->sample_li(light, at, u);
+        const bool counts = s && luminance(s->radiance) <= most;
+        const float cosine = counts ? std::max(glm::dot(s->wi, at.ns), 0.0f) : 0;
+        e.add(counts ? static_cast<double>(luminance(s->radiance) * cosine / s->pdf) / choice.pmf(k)
+                     : 0);
     }
     return e;
 }
@@ -565,14 +583,8 @@ TEST_F(Environments, C11_ASunLeavesTheSkyItsLight) {
         return x == 300 && y == 64 ? Color(1e6f) : sky(x, y);
     };
     const Scene& s = map(512, 256, sun_and_sky);
-    const Light& light = s.lights()[0];
-    Rng rng(2);
-    RunningStatistics without_sun;
-    for (int i = 0; i < 4000000; ++i) {
-        const auto li = light.emitter->sample_li(light, receiver({}, {0, 1, 0}), rng.next_float2());
-        const bool from_sky = li && li->radiance.x < 1.01f;
-        without_sun.add(from_sky ? static_cast<double>(li->wi.y / li->pdf * li->radiance.x) : 0);
-    }
+    const RunningStatistics without_sun =
+        irradiance(s, receiver({0, 0, 0}, {0, 1, 0}), 4000000, 1.01f);
     EXPECT_TRUE(mean_is(without_sun, pi_d, 1e-3));
 }
 
@@ -585,8 +597,9 @@ TEST_F(Environments, O17_SkyAndConstant) {
     const Scene& white = map(
         64, 32, [](int, int) { return Color(1); }, number("scale", 2));
     EXPECT_TRUE(equivalent(irradiance(white, up, 1000000), 2 * pi_d, 0.01));
-    EXPECT_NEAR(white.lights()[0].emitter->bounds(white.lights()[0]).power, 2 * 4 * pi_d * pi_d * 3,
-                0.1);  // a box of 2³ has the radius √3
+    double power = 0;
+    for (const Light& light : white.lights()) power += light.emitter->bounds(light).power;
+    EXPECT_NEAR(power, 2 * 4 * pi_d * pi_d * 3, 0.1);  // a box of 2³ has the radius √3
     const Scene& constant = scene(ball + emitter("constant", rgb("radiance", "2")));
     EXPECT_NEAR(irradiance(constant, up, 1000).mean(), 2 * pi_d, 1e-5);
     const Receiver both = receiver({0, 0, 0}, {0, 1, 0}, Sides::both);
@@ -664,6 +677,102 @@ TEST_F(Environments, C14_SamplingFollowsTheDensity) {
             EXPECT_TRUE(sampling_matches_pdf(sample, pdf, {.samples = 200000, .tests = 6}));
         }
     }
+}
+
+/// A picture that is large enough for patches: dim noise, a sun, and a black rectangle.
+Color sky_with_sun(int x, int y) {
+    if (x == 200 && y == 40) return Color(1e4f);
+    if (x < 40 && y > 80) return Color(0);
+    const auto noise =
+        static_cast<float>(hash64({static_cast<std::uint32_t>(x + 1000 * y), 7}) >> 40);
+    return Color(noise * 0x1p-24f, 0.5f, y < 64 ? 2.0f : 0.1f);
+}
+
+TEST_F(Environments, PatchesTogetherAreTheMap) {
+    const Scene& s = map(256, 128, sky_with_sun, to_world("<rotate x='1' y='2' angle='50'/>"));
+    const auto count = static_cast<std::uint32_t>(s.lights().size());
+    ASSERT_GT(count, 100u);
+    ASSERT_EQ(s.infinite_lights().size(), 1u);
+    const Emitter& e = *s.lights()[0].emitter;
+    ASSERT_EQ(e.light_count(), count);
+    const Receiver at = receiver({}, {0, 1, 0});
+    double power = 0;
+    for (const Light& light : s.lights()) power += e.bounds(light).power;
+    RunningStatistics radiance;
+    Rng rng(6);
+    for (int i = 0; i < 200000; ++i) {
+        const Vector3 d = square_to_uniform_sphere(rng.next_float2());
+        const std::uint32_t along = s.light_along(0, d);
+        ASSERT_LT(along, count);
+        EXPECT_TRUE(e.bounds(s.lights()[along]).directions.contains(d));
+        const float pdf = e.pdf_li(s.lights()[along], at, d, nullptr);
+        EXPECT_TRUE(pdf > 0 || s.environment(d) == Color(0));
+        const auto luminous = static_cast<double>(luminance(s.environment(d)));
+        radiance.add(luminous < 10 ? luminous : 0);  // but for the sun
+        if (i >= 200) continue;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            if (k == along) continue;
+            EXPECT_EQ(e.pdf_li(s.lights()[k], at, d, nullptr), 0);
+        }
+    }
+    // A texel of 10⁴, over its solid angle in the row 40.
+    const double sun = 1e4 * 2 * pi_d / 256 * pi_d / 128 * std::sin(40.5 * pi_d / 128);
+    const double area = pi_d * 3;  // of the sphere around a box of 2³
+    EXPECT_NEAR(power / area, sun + 4 * pi_d * radiance.mean(), 0.01 * power / area);
+}
+
+TEST_F(Environments, PatchesAreSampledAsTheySay) {
+    const Scene& s = map(256, 128, sky_with_sun);
+    const Receiver at = receiver({}, {0, 1, 0});
+    Rng rng(8);
+    for (std::uint32_t k = 0; k < s.lights().size(); ++k) {
+        const Light& light = s.lights()[k];
+        const LightBounds bounds = light.emitter->bounds(light);
+        RunningStatistics radiance;
+        for (int i = 0; i < 1000; ++i) {
+            const auto li = light.emitter->sample_li(light, at, rng.next_float2());
+            const auto photon =
+                light.emitter->sample_emission(light, rng.next_float2(), rng.next_float2());
+            if (!li || !photon) continue;
+            EXPECT_TRUE(bounds.directions.contains(li->wi));
+            EXPECT_TRUE(bounds.directions.contains(-photon->ray.d));
+            radiance.add(static_cast<double>(luminance(li->radiance) / li->pdf));
+            if (s.light_along(0, li->wi) != k) continue;  // rounded beyond the border
+            const float pdf = light.emitter->pdf_li(light, at, li->wi, nullptr);
+            EXPECT_NEAR(pdf, li->pdf, 2e-3f * li->pdf);
+        }
+        if (radiance.count() == 0) continue;  // black
+        const double expected =
+            bounds.power / static_cast<double>(pi * sqr(1.0001f * std::sqrt(3.0f)));
+        EXPECT_TRUE(mean_is(radiance, expected, 1e-5)) << k;
+    }
+}
+
+TEST_F(Environments, C14_PatchesFollowTheDensity) {
+    const Scene& s = map(256, 128, [](int x, int y) {
+        const Color c = sky_with_sun(x, y);
+        return glm::min(c, Color(2));
+    });
+    const auto count = static_cast<float>(s.lights().size());
+    const Receiver at = receiver({}, {0, 0, 1});
+    const auto sample = [&](Vector2 u) -> std::optional<Vector3> {
+        const float place = u.x * count;
+        const auto k = std::min(static_cast<std::size_t>(place), s.lights().size() - 1);
+        const Light& light = s.lights()[k];
+        const auto li = light.emitter->sample_li(
+            light, at, {std::min(place - std::floor(place), one_minus_epsilon), u.y});
+        return li ? std::optional(li->wi) : std::nullopt;
+    };
+    const auto pdf = [&](Vector3 w) {
+        const Light& light = s.lights()[s.light_along(0, w)];
+        return static_cast<double>(light.emitter->pdf_li(light, at, w, nullptr) / count);
+    };
+    EXPECT_TRUE(sampling_matches_pdf(sample, pdf, {.samples = 100000, .tests = 1}));
+}
+
+TEST_F(Environments, SmallAndBlackPicturesAreOneLight) {
+    EXPECT_EQ(map(56, 16, [](int, int) { return Color(1); }).lights().size(), 1u);
+    EXPECT_EQ(map(256, 128, [](int, int) { return Color(0); }).lights().size(), 1u);
 }
 
 TEST_F(Environments, C14_LightComesOnlyFromWhereItIsSampled) {

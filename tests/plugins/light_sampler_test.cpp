@@ -3,9 +3,11 @@
 /// holds at any point of any scene is tested in tests/hard_cases/light_sampler_test.cpp.
 #include "core/interfaces/light_sampler.h"
 
+#include "core/image/exr.h"
 #include "core/interfaces/bsdf.h"
 #include "plugins/light_samplers/light_study.h"
 #include "plugins/light_samplers/pilot_paths.h"
+#include "tests/paths.h"
 #include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
 
@@ -238,6 +240,144 @@ TEST_P(SeenLights, ThreadsDoNotChangeTheImage) {
     const TestScene one(text), again(text);
     const std::vector<double> expected = numbers_of(one.render({.per_pixel = 2, .threads = 1}));
     EXPECT_EQ(numbers_of(again.render({.per_pixel = 2, .threads = 3})), expected);
+}
+
+/// A room with a window under an environment map of many patches, and two lamps.
+class SkyBehindAWindow : public testing::TestWithParam<std::string> {
+protected:
+    static void SetUpTestSuite() {
+        folder = new TemporaryFolder;
+        write_sky([](int x, int y) {
+            return Color(x == 70 && y == 20 ? 300.0f : y < 32 ? 1.0f : 0.2f, 0.5f, 0.3f);
+        });
+    }
+    static void TearDownTestSuite() { delete folder; }
+
+    static void write_sky(const std::function<Color(int, int)>& color) {
+        Image image(128, 64);
+        for (int y = 0; y < image.height; ++y) {
+            for (int x = 0; x < image.width; ++x) image.set_rgb(x, y, color(x, y));
+        }
+        ImageFile file;
+        add_layer(file, image);
+        write_exr(*folder / "sky.exr", file);
+    }
+    static std::string sky() {
+        return "<emitter type='envmap'><string name='filename' value='sky.exr'/></emitter>";
+    }
+    static std::string room(const std::string& integrator, int width = 16) {
+        const std::string wall = diffuse(0.5);
+        return integrator + sky() +
+               xml({.to_world = look({0.5, -0.5, 0.8}, {-1, 1, -0.5}),
+                    .fov = 80,
+                    .width = width,
+                    .height = width,
+                    .sampler = "sobol"}) +
+               shape("rectangle", translate({0, 0, -1}), wall) +
+               shape("rectangle", look({0, 0, 1}, {0, 0, 0}), wall) +
+               shape("rectangle", look({-1, 0, 0}, {0, 0, 0}), wall) +
+               shape("rectangle", look({0, 1, 0}, {0, 0, 0}), wall) +
+               shape("rectangle", look({0, -1, 0}, {0, 0, 0}), wall) +
+               shape("rectangle", scale(0.6) + look({1, 0, -0.4}, {0, 0, -0.4}), wall) +
+               sphere({0, 0, -0.5}, 0.3, wall) + point_light({0.5, 0.5, 0.5}, 0.1) +
+               sphere({-0.5, -0.5, 0.5}, 0.05, area_light(5));
+    }
+
+    static inline TemporaryFolder* folder = nullptr;
+};
+
+INSTANTIATE_TEST_SUITE_P(All, SkyBehindAWindow, testing::ValuesIn(tested_samplers()),
+                         [](const auto& type) { return type.param; });
+
+TEST_P(SkyBehindAWindow, ProbabilitiesAreThoseOfTheDraws) {
+    const TestScene test(room("", 64), folder->path());
+    const Scene& scene = test.scene();
+    ASSERT_GT(scene.lights().size(), 50u);
+    const PreparedSampler prepared(tested_sampler(GetParam()), scene);
+    const LightSampler& sampler = *prepared;
+    int checked = 0;
+    for (const Receiver& at : seen_points(scene, 100)) {
+        double sum = 0;
+        for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+            const float p = sampler.pmf(at, i);
+            sum += static_cast<double>(p);
+            if (!contributes(scene, scene.lights()[i], at)) continue;
+            EXPECT_GT(p, 0) << "light " << i;
+            ++checked;
+        }
+        EXPECT_LE(sum, sampler.draws() * (1 + 1e-5));
+        std::vector<double> drawn(scene.lights().size());
+        constexpr int trials = 4096;
+        for (int k = 0; k < trials; ++k) {
+            const auto choice =
+                sampler.sample(at, 0, (static_cast<float>(k) + 0.5f) / static_cast<float>(trials));
+            if (!choice) continue;
+            EXPECT_EQ(choice->pmf, sampler.pmf(at, choice->light));
+            ++drawn[choice->light];
+        }
+        if (sampler.draws() > 1) continue;
+        for (std::uint32_t i = 0; i < drawn.size(); ++i) {
+            EXPECT_NEAR(drawn[i] / trials, static_cast<double>(sampler.pmf(at, i)), 4e-3);
+        }
+    }
+    EXPECT_GT(checked, 1000);
+}
+
+TEST_P(SkyBehindAWindow, MeanIsThatOfAllLights) {
+    const auto means = [&](const std::string& sampler, std::uint64_t samples) {
+        return pixel_statistics(
+            TestScene(room(direct_with(sampler)), folder->path()).render({.per_pixel = samples}));
+    };
+    static const RunningStatistics reference = means("all", 8192);
+    const double mean = means(GetParam(), 2048).mean();
+    EXPECT_NEAR(mean, reference.mean(), 0.01 * reference.mean());
+}
+
+TEST_P(SkyBehindAWindow, ThreadsDoNotChangeTheImage) {
+    const std::string text = room(path_integrator(tested_sampler(GetParam())), 48);
+    const TestScene one(text, folder->path()), again(text, folder->path());
+    const std::vector<double> expected = numbers_of(one.render({.per_pixel = 2, .threads = 1}));
+    EXPECT_EQ(numbers_of(again.render({.per_pixel = 2, .threads = 3})), expected);
+}
+
+TEST_F(SkyBehindAWindow, CacheLearnsWhatTheWindowShows) {
+    const TestScene test(room("", 256), folder->path());
+    const Scene& scene = test.scene();
+    // The share of draws of the sky that arrive at points that the camera sees.
+    const auto arriving = [&](const std::string& type) {
+        const PreparedSampler sampler(light_sampler(type), scene);
+        Rng rng(4);
+        RunningStatistics seen;
+        for (const Receiver& at : seen_points(scene, 2000)) {
+            const float u = rng.next_float();
+            const Vector2 u_light = rng.next_float2();
+            const auto choice = sampler->sample(at, 0, u);
+            if (!choice || !scene.lights()[choice->light].emitter->infinite()) continue;
+            const Light& light = scene.lights()[choice->light];
+            const auto li = light.emitter->sample_li(light, at, u_light);
+            seen.add(li && glm::dot(li->wi, at.n) > 0 && !scene.occluded(at, *li) ? 1 : 0);
+        }
+        return seen.mean();
+    };
+    EXPECT_GT(arriving("cache"), 2.5 * arriving("power"));
+}
+
+/// A white environment lights a surface of albedo 1 so that it cannot be told from it.
+TEST_F(SkyBehindAWindow, O17_WhiteFurnaceOfAPicture) {
+    write_sky([](int, int) { return Color(1); });
+    for (const std::string& sampler : tested_samplers()) {
+        SCOPED_TRACE(sampler);
+        const TestScene test(path_integrator(tested_sampler(sampler)) + sky() +
+                                 xml({.to_world = look({0, -5, 1}, {0, 0, 0}),
+                                      .fov = 20,
+                                      .width = 16,
+                                      .height = 16,
+                                      .sampler = "sobol"}) +
+                                 sphere({0, 0, 0}, 1, diffuse(1)),
+                             folder->path());
+        ASSERT_GT(test.scene().lights().size(), 50u);
+        EXPECT_TRUE(agrees(pixel_statistics(test.render({.per_pixel = 512})), 1, 0.005));
+    }
 }
 
 }  // namespace
