@@ -61,28 +61,51 @@ void intersect_callback(const RTCIntersectFunctionNArguments* arguments) {
     ray.hit.instID[0] = arguments->context->instID[0];
 }
 
-void occluded_callback(const RTCOccludedFunctionNArguments* arguments) {
-    if (!arguments->valid[0]) return;
-    const auto* entry = static_cast<const GeometryEntry*>(arguments->geometryUserPtr);
-    auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
-    const bool hit = intersect_analytic(*entry, ray).has_value();
-    arguments->valid[0] = hit ? -1 : 0;
-    if (hit) ray.tfar = -infinity;
+RTCRay ray_of_lane(RTCRayN* rays, unsigned count, unsigned i) {
+    RTCRay r;
+    r.org_x = RTCRayN_org_x(rays, count, i);
+    r.org_y = RTCRayN_org_y(rays, count, i);
+    r.org_z = RTCRayN_org_z(rays, count, i);
+    r.tnear = RTCRayN_tnear(rays, count, i);
+    r.dir_x = RTCRayN_dir_x(rays, count, i);
+    r.dir_y = RTCRayN_dir_y(rays, count, i);
+    r.dir_z = RTCRayN_dir_z(rays, count, i);
+    r.tfar = RTCRayN_tfar(rays, count, i);
+    return r;
 }
 
-/// The context of a shadow ray: the two primitives that do not block it.
+void occluded_callback(const RTCOccludedFunctionNArguments* arguments) {
+    const auto* entry = static_cast<const GeometryEntry*>(arguments->geometryUserPtr);
+    for (unsigned i = 0; i < arguments->N; ++i) {
+        if (!arguments->valid[i]) continue;
+        const bool hit =
+            intersect_analytic(*entry, ray_of_lane(arguments->ray, arguments->N, i)).has_value();
+        arguments->valid[i] = hit ? -1 : 0;
+        if (hit) RTCRayN_tfar(arguments->ray, arguments->N, i) = -infinity;
+    }
+}
+
+/// The context of shadow rays: the two primitives that do not block each of them.
 struct ShadowContext {
-    embree::Context base;  // first: Embree hands back a pointer to it
-    PrimitiveId source, target;
+    struct Ends {
+        PrimitiveId source, target;
+    };
+
+    embree::Context base;        // first: Embree hands back a pointer to it
+    const Ends* ends = nullptr;  ///< by the number of the ray
 };
 
 void shadow_filter(const RTCFilterFunctionNArguments* arguments) {
     const auto* context = reinterpret_cast<const ShadowContext*>(arguments->context);
-    RTCHitN* hit = arguments->hit;
-    const PrimitiveId id{.geometry = RTCHitN_geomID(hit, arguments->N, 0),
-                         .primitive = RTCHitN_primID(hit, arguments->N, 0),
-                         .instance = RTCHitN_instID(hit, arguments->N, 0, 0)};
-    if (id == context->source || id == context->target) arguments->valid[0] = 0;
+    const unsigned count = arguments->N;
+    for (unsigned i = 0; i < count; ++i) {
+        if (!arguments->valid[i]) continue;
+        const PrimitiveId id{.geometry = RTCHitN_geomID(arguments->hit, count, i),
+                             .primitive = RTCHitN_primID(arguments->hit, count, i),
+                             .instance = RTCHitN_instID(arguments->hit, count, i, 0)};
+        const ShadowContext::Ends& ends = context->ends[RTCRayN_id(arguments->ray, count, i)];
+        if (id == ends.source || id == ends.target) arguments->valid[i] = 0;
+    }
 }
 
 }  // namespace
@@ -270,14 +293,35 @@ bool Accelerator::intersect(const Ray& ray, float tmin, SceneHit& met) const {
 }
 
 bool Accelerator::occluded(const Ray& ray, PrimitiveId target) const {
-    ShadowContext context{};
+    const ShadowContext::Ends ends{.source = ray.source, .target = target};
+    ShadowContext context{.base = {}, .ends = &ends};
     embree::init(context.base);
-    context.source = ray.source;
-    context.target = target;
     RTCRay r;
     to_embree(ray, 0, r);
     embree::occluded(implementation_->scene, context.base, shadow_filter, r);
     return r.tfar < 0;
+}
+
+void Accelerator::occluded(ShadowPacket& rays) const {
+    static_assert(sizeof(FloatLanes) == sizeof(RTCRay16::org_x));
+    ShadowContext::Ends ends[lane_count];
+    ShadowContext context{.base = {}, .ends = ends};
+    embree::init(context.base);
+    alignas(64) int valid[lane_count];
+    RTCRay16 r;
+    std::memcpy(r.org_x, &rays.o, sizeof rays.o);
+    std::memcpy(r.dir_x, &rays.d, sizeof rays.d);
+    std::memcpy(r.tfar, &rays.tmax, sizeof rays.tmax);
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        valid[i] = rays.open[i] ? -1 : 0;
+        ends[i] = {.source = rays.source[i], .target = rays.target[i]};
+        r.tnear[i] = r.time[i] = 0;
+        r.mask[i] = 0xffffffff;
+        r.id[i] = static_cast<unsigned>(i);
+        r.flags[i] = 0;
+    }
+    embree::occluded(implementation_->scene, context.base, shadow_filter, valid, r);
+    for (std::size_t i = 0; i < lane_count; ++i) rays.open[i] &= !(r.tfar[i] < 0);
 }
 
 }  // namespace lucerna

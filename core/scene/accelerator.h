@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/interfaces/shape.h"
+#include "core/scene/ray_queries.h"
 
 #include <memory>
 #include <optional>
@@ -32,6 +33,8 @@ public:
     /// True if something lies on the ray that is neither `ray.source` nor `target`. The ray must
     /// be finite; its direction may have any length but zero.
     bool occluded(const Ray& ray, PrimitiveId target) const;
+    /// The same for those of sixteen that are open.
+    void occluded(ShadowPacket& rays) const;
 
     /// Memory [bytes].
     std::size_t bytes() const;

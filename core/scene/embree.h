@@ -26,6 +26,17 @@ inline void occluded(RTCScene scene, Context& context, RTCFilterFunctionN filter
     rtcOccluded1(scene, &ray, &arguments);
 }
 
+inline void occluded(RTCScene scene, Context& context, RTCFilterFunctionN filter, const int* valid,
+                     RTCRay16& rays) {
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &context;
+    arguments.filter = filter;
+    arguments.flags = static_cast<RTCRayQueryFlags>(RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER |
+                                                    RTC_RAY_QUERY_FLAG_COHERENT);
+    rtcOccluded16(valid, scene, &rays, &arguments);
+}
+
 inline void init(Context& context) { rtcInitRayQueryContext(&context); }
 
 #else
@@ -42,6 +53,13 @@ inline void intersect(RTCScene scene, RTCRayHit& ray) {
 inline void occluded(RTCScene scene, Context& context, RTCFilterFunctionN filter, RTCRay& ray) {
     context.filter = filter;
     rtcOccluded1(scene, &context, &ray);
+}
+
+inline void occluded(RTCScene scene, Context& context, RTCFilterFunctionN filter, const int* valid,
+                     RTCRay16& rays) {
+    context.filter = filter;
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcOccluded16(valid, scene, &context, &rays);
 }
 
 inline void init(Context& context) { rtcInitIntersectContext(&context); }

@@ -222,6 +222,20 @@ bool Scene::occluded(const Receiver& from, const LightSample& to) const {
     return blocked;
 }
 
+void Scene::occluded(ShadowPacket& rays) const {
+    RayStatistics& statistics = thread_ray_statistics();
+    std::uint64_t traced = 0, open = 0;
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        if (!rays.open[i]) continue;
+        rays.open[i] = is_traceable({.o = rays.o[i], .d = rays.d[i], .tmax = rays.tmax[i]});
+        ++(rays.open[i] ? traced : statistics.dropped);
+    }
+    accelerator_->occluded(rays);
+    for (const bool is_open : rays.open) open += is_open;
+    statistics.occlusions += traced;
+    statistics.blocked += traced - open;
+}
+
 Color Scene::transmittance(const Ray& ray, bool past_emitters) const {
     if (!occluded(ray)) return Color(1);
     if (!has_null_surfaces_ && !past_emitters) return Color(0);

@@ -7,6 +7,7 @@
 #include "core/interfaces/integrator.h"
 #include "core/interfaces/sensor.h"
 #include "core/interfaces/shape.h"
+#include "core/scene/ray_queries.h"
 
 #include <memory>
 #include <optional>
@@ -31,12 +32,6 @@ struct SceneParts {
     int threads = 0;         ///< that may build; 0: all
 };
 
-/// A ray, and what it meets.
-struct TracedRay {
-    Ray ray;
-    std::optional<Interaction> hit{};
-};
-
 class Scene {
 public:
     /// Builds the accelerator and the table of lights, then prepares all objects.
@@ -54,6 +49,8 @@ public:
     /// True if something lies between the receiver and the sampled point of a light. Both ends
     /// are moved off their surfaces.
     bool occluded(const Receiver& from, const LightSample& to) const;
+    /// Closes the rays on which something lies.
+    void occluded(ShadowPacket& rays) const;
     /// The fraction of light that gets along the ray past surfaces that let it go straight through
     /// (BSDF::transmittance), and, with `past_emitters`, past those that emit.
     Color transmittance(const Ray& ray, bool past_emitters = false) const;

@@ -13,6 +13,7 @@
 /// which is unbiased: hidden x_k, those that see the other side of y, and delta lobes take no part.
 #pragma once
 
+#include "plugins/integrators/block_edges.h"
 #include "plugins/integrators/light_sampling.h"
 
 #include <span>
@@ -59,70 +60,93 @@ struct Junction {
     std::size_t path = 0;    ///< of the block, whose first vertex it is
 };
 
-/// Joins `from.first` to `to.second`, a path to itself without a shadow ray.
-inline Junction join(const Scene& scene, const ReusablePath& from, const ReusablePath& to) {
-    const LitSurface& x = *from.first;
-    const LitSurface& y = *to.second;
-    const Vector3 d = y.at.p - x.at.p;
+/// The edge that a path went itself; its density is 0 if others cannot go to its second vertex.
+inline Junction own_junction(const ReusablePath& path, std::size_t index) {
+    const LitSurface& y = *path.second;
+    const Vector3 d = y.at.p - path.first->at.p;
     const float distance2 = glm::dot(d, d);
-    const Vector3 wi = d / std::sqrt(distance2);
+    const float density =
+        path.to_second.pdf * std::abs(glm::dot(d / std::sqrt(distance2), y.at.n)) / distance2;
     Junction result;
-    const bool own = &from == &to;
-    result.wo_local = own ? y.wo_local : y.at.to_local(-wi);
-    const float geometry = std::abs(glm::dot(wi, y.at.n)) / distance2;
-    if (own) {
-        result.density = to.to_second.pdf * geometry;
-        result.transfer = to.to_second.weight * result.density;
-        return result;
-    }
-    const bool same_face = glm::dot(wi, y.receiver.n) < 0 && result.wo_local.z * y.wo_local.z > 0;
-    const Vector3 wi_local = x.at.to_local(wi);
-    if (!same_face || !same_side(x.at, wi, wi_local)) return result;
-    const BSDFValue value = x.bsdf.evaluate(x.at, x.wo_local, wi_local, TransportMode::radiance);
-    const float density = value.pdf * geometry;
-    if (!is_usable_density(density)) return result;
-    const LightSample target{.wi = wi,
-                             .distance = std::sqrt(distance2),
-                             .p = y.at.p,
-                             .n = y.at.n,
-                             .error = y.at.error,
-                             .target = y.at.source};
-    if (scene.occluded(x.receiver, target)) return result;
-    result.density = density;
-    result.transfer = value.f * (abs_cos_theta(wi_local) * geometry);
+    result.path = index;
+    result.wo_local = y.wo_local;
+    if (is_usable_density(density)) result.density = density;
+    result.transfer = path.to_second.weight * result.density;
+    result.next_f_cosine = path.next_f_cosine;
+    result.next_pdf = path.next_pdf;
     return result;
 }
 
-/// All first vertices of the block from which the second vertex of path `j` is seen.
-inline void join_block(const Scene& scene, std::span<const ReusablePath> block, std::size_t j,
-                       std::vector<Junction>& junctions) {
-    const ReusablePath& path = block[j];
-    const LitSurface& y = *path.second;
-    junctions.clear();
-    Junction own = join(scene, path, path);
-    const bool shared = is_usable_density(own.density);
+/// Finds all first vertices of the block from which the second vertex of a path is seen.
+class BlockJoiner {
+public:
+    BlockJoiner(const Scene& scene, std::span<const ReusablePath> block);
+
+    /// Valid until the next call.
+    std::span<const Junction> join_to(std::size_t j);
+
+private:
+    void join(std::size_t group, std::size_t j);
+
+    const Scene& scene_;
+    std::span<const ReusablePath> block_;
+    std::vector<FirstVertices> groups_;
+    Edges edges_;
+    std::vector<Junction> junctions_;
+};
+
+inline BlockJoiner::BlockJoiner(const Scene& scene, std::span<const ReusablePath> block)
+    : scene_(scene), block_(block), groups_((block.size() + lane_count - 1) / lane_count) {
+    for (std::size_t k = 0; k < block.size(); ++k) {
+        if (block[k].first) groups_[k / lane_count].set(k % lane_count, block[k].first->at);
+    }
+    junctions_.reserve(block.size());
+}
+
+inline std::span<const Junction> BlockJoiner::join_to(std::size_t j) {
+    junctions_.clear();
+    Junction own = own_junction(block_[j], j);
+    const bool shared = own.density > 0;
     if (!shared) {
-        own.transfer = path.to_second.weight;
+        own.transfer = block_[j].to_second.weight;
         own.density = 1;
     }
-    own.next_f_cosine = path.next_f_cosine;
-    own.next_pdf = path.next_pdf;
-    for (std::size_t k = 0; k < block.size(); ++k) {
-        if (k == j) {
-            own.path = j;
-            junctions.push_back(own);
-        } else if (shared && block[k].first) {
-            Junction junction = join(scene, block[k], path);
-            if (!(junction.density > 0)) continue;
-            junction.path = k;
-            if (path.next_pdf > 0) {
-                const BSDFValue next = y.bsdf.evaluate(y.at, junction.wo_local, path.next_local,
-                                                       TransportMode::radiance);
-                junction.next_f_cosine = next.f * abs_cos_theta(path.next_local);
-                junction.next_pdf = next.pdf;
-            }
-            junctions.push_back(junction);
-        }
+    junctions_.push_back(own);
+    for (std::size_t group = 0; shared && group < groups_.size(); ++group) join(group, j);
+    return junctions_;
+}
+
+/// What the second vertex of `path` does with the light of the direction in which the path goes on.
+inline void scatter_next(const ReusablePath& path, Junction& junction) {
+    const LitSurface& y = *path.second;
+    const BSDFValue next =
+        y.bsdf.evaluate(y.at, junction.wo_local, path.next_local, TransportMode::radiance);
+    junction.next_f_cosine = next.f * abs_cos_theta(path.next_local);
+    junction.next_pdf = next.pdf;
+}
+
+inline void BlockJoiner::join(std::size_t group, std::size_t j) {
+    const ReusablePath& path = block_[j];
+    find_edges(groups_[group], *path.second, edges_);
+    ShadowPacket& rays = edges_.rays;
+    if (group == j / lane_count) rays.open[j % lane_count] = false;
+    BSDFValue values[lane_count];
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        if (!rays.open[i]) continue;
+        const LitSurface& x = *block_[group * lane_count + i].first;
+        values[i] = x.bsdf.evaluate(x.at, x.wo_local, edges_.wi_local[i], TransportMode::radiance);
+        rays.open[i] = is_usable_density(values[i].pdf * edges_.geometry[i]);
+    }
+    scene_.occluded(rays);
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        if (!rays.open[i]) continue;
+        Junction& junction = junctions_.emplace_back();
+        const float geometry = edges_.geometry[i];
+        junction.path = group * lane_count + i;
+        junction.wo_local = edges_.wo_local[i];
+        junction.density = values[i].pdf * geometry;
+        junction.transfer = values[i].f * (std::abs(edges_.wi_local.z[i]) * geometry);
+        if (path.next_pdf > 0) scatter_next(path, junction);
     }
 }
 
@@ -142,13 +166,12 @@ inline Color reflected_lights(const ReusablePath& path, const Junction& junction
 
 /// Adds to all samples of a block what their paths find behind the second vertices.
 inline void reuse_paths(const Scene& scene, std::span<const ReusablePath> block) {
-    std::vector<Junction> junctions;
-    junctions.reserve(block.size());
+    BlockJoiner joiner(scene, block);
     for (std::size_t j = 0; j < block.size(); ++j) {
         const ReusablePath& path = block[j];
         const bool goes_on = path.next_pdf > 0 && !is_black(path.next_radiance);
         if (!path.second || (path.lights.empty() && !goes_on)) continue;
-        join_block(scene, block, j, junctions);
+        const std::span<const Junction> junctions = joiner.join_to(j);
         float density = 0, next_density = 0;
         for (const Junction& junction : junctions) {
             density += junction.density;
