@@ -100,9 +100,11 @@ std::string point_light(Vector3d position, double intensity) {
 }
 
 std::string path_integrator(const std::string& inside) {
-    const bool shares = inside.find("'reuse'") != std::string::npos;
-    return "<integrator type='path'>" + (shares ? inside : inside + integer("reuse", 1)) +
-           "</integrator>";
+    std::string all = inside;
+    for (const char* const name : {"reuse", "emitter_samples"}) {
+        if (inside.find(fmt::format("'{}'", name)) == std::string::npos) all += integer(name, 1);
+    }
+    return "<integrator type='path'>" + all + "</integrator>";
 }
 
 std::string direct_integrator(const std::string& inside) {

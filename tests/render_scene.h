@@ -69,7 +69,8 @@ std::string diffuse(double reflectance);
 std::string area_light(double radiance);
 std::string constant_light(double radiance);
 std::string point_light(Vector3d position, double intensity);
-/// Pixels share no paths, and are independent of each other, unless `reuse` says more.
+/// Unless `inside` says more, pixels share no paths and are independent of each other, and each
+/// vertex takes one pass of light samples.
 std::string path_integrator(const std::string& inside = "");
 std::string direct_integrator(const std::string& inside = "");
 std::string integer(const std::string& name, std::int64_t value);

@@ -40,8 +40,9 @@ inline float light_density(const LightSampler& sampler, const Scene& scene, cons
 /// The last vertex of a path, as far as light that the next ray finds by chance depends on it.
 struct PathVertex {
     Receiver receiver;
-    float pdf = 0;         ///< with which the BSDF chose the ray [1/sr]
-    bool specular = true;  ///< light sampling could not have found what the ray finds
+    float pdf = 0;            ///< with which the BSDF chose the ray [1/sr]
+    float light_samples = 1;  ///< passes of light sampling there
+    bool specular = true;     ///< light sampling could not have found what the ray finds
 };
 
 /// Light from infinity along `d`, weighted against having been sampled at the vertex before.
@@ -55,7 +56,7 @@ inline Color found_environment(const Scene& scene, const LightSampler& sampler,
         if (!before.specular) {
             const std::uint32_t i = scene.light_along(first, d);
             const Light& light = scene.lights()[i];
-            const float density = sampler.pmf(before.receiver, i) *
+            const float density = before.light_samples * sampler.pmf(before.receiver, i) *
                                   light.emitter->pdf_li(light, before.receiver, d, nullptr);
             weight = power_heuristic(before.pdf, density);
         }
@@ -70,7 +71,8 @@ inline Color found_emission(const Scene& scene, const LightSampler& sampler,
     if (!at.shape->emitter()) return Color(0);
     const Color radiance = at.shape->emitter()->radiance(at, wo);
     if (is_black(radiance) || before.specular) return radiance;
-    const float density = light_density(sampler, scene, before.receiver, -wo, at);
+    const float density =
+        before.light_samples * light_density(sampler, scene, before.receiver, -wo, at);
     return radiance * power_heuristic(before.pdf, density);
 }
 

@@ -5,7 +5,7 @@
 /// Neighbouring pixels share their paths behind the second vertex (path_reuse.h). Finds all light
 /// but what reaches the eye only through a specular surface from a delta light, and finds caustics
 /// of small lights slowly: that is what photon mapping is for.
-#include "plugins/integrators/path_reuse.h"
+#include "plugins/integrators/path_noise.h"
 
 #include <limits>
 #include <vector>
@@ -22,30 +22,38 @@ public:
                                   "-1 is unlimited")),
           rr_depth_(params.int32("rr_depth", 5, {.min = 1},
                                  "edges before Russian roulette may end a path")),
-          reuse_(params.int32("reuse", 4, {.min = 1, .max = 16},
+          reuse_(params.int32("reuse", 0, {.min = 0, .max = 16},
                               "paths are shared by blocks of so many by so many pixels, a power of "
-                              "two; 1: pixels do not share")),
+                              "two; 1: pixels do not share; 0: what a few paths show to be best")),
+          emitter_samples_(
+              params.int32("emitter_samples", 0, {.min = 0, .max = 64},
+                           "samples of lights at the first vertex; 0: what a few paths show to be "
+                           "best")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
         if ((reuse_ & (reuse_ - 1)) != 0) {
-            params.error("reuse", "\"reuse\" must be 1, 2, 4, 8 or 16");
+            params.error("reuse", "\"reuse\" must be 0, 1, 2, 4, 8 or 16");
         }
     }
 
-    void prepare(const Scene&) override {
-        dimensions_ = bsdf_dimensions + light_dimensions(light_sampler_);
-    }
+    void prepare(const Scene& scene) override;
 
     int light_bounces() const override { return std::max(max_depth_ - 2, -1); }
-    int block_size() const override { return reuses() ? reuse_ : 1; }
+    int block_size() const override { return splitting_.block_size; }
     void sample(const Scene& scene, std::span<CameraSample> samples) const override;
 
 private:
+    static constexpr std::uint32_t camera_dimensions = 4;
+    // Of a bounce: direction, lobe and roulette, light samples. All in pairs, which the sampler
+    // computes together.
+    static constexpr std::uint32_t bsdf_dimensions = 4;
+
     /// A path on its way: the ray to the vertex that comes, and what is there.
     struct Path : TracedRay {
-        explicit Path(CameraSample& s) : TracedRay{s.ray}, sample(&s) {}
+        Path(CameraSample& s, std::uint32_t passes)
+            : TracedRay{s.ray}, sample(&s), light_samples(passes) {}
 
         /// Radiance that arrives at the last vertex.
         void add(Color arriving) {
@@ -66,6 +74,8 @@ private:
         }
 
         CameraSample* sample;
+        std::uint32_t dimension = camera_dimensions;  ///< of the sample stream, at the next step
+        std::uint32_t light_samples;                  ///< passes of light sampling at the next step
         PathVertex before;
         int depth = 0;           ///< vertices before the one that comes
         float seen_through = 1;  ///< of what lies before the first vertex
@@ -83,28 +93,36 @@ private:
     };
     using Paths = std::vector<Path*>;
 
-    static constexpr std::uint32_t camera_dimensions = 4;
-    // Of a bounce: direction, lobe and roulette, light samples. All in pairs, which the sampler
-    // computes together.
-    static constexpr std::uint32_t bsdf_dimensions = 4;
-
-    /// Samplers of many draws make a path's own light good, and reuse dear.
-    bool reuses() const { return reuse_ > 1 && max_depth_ > 2 && light_sampler_.draws() <= 8; }
+    void trace(const Scene& scene, std::span<CameraSample> samples, std::span<ReusablePath> kept,
+               int light_samples) const;
     bool arrive(const Scene& scene, Path& path) const;
     void add_found_light(const Scene& scene, Path& path) const;
     static void keep_vertex(Path& path);
-    void add_direct_light(const Scene& scene, const Paths& paths, int step) const;
+    void add_direct_light(const Scene& scene, const Paths& paths) const;
     bool scatter(Path& path, int step) const;
     static void leave_kept_vertex(Path& path, const BSDFSample& next);
     static bool survive(Path& path);
 
     int max_depth_;
     int rr_depth_;
-    int reuse_;
+    int reuse_, emitter_samples_;
     bool hide_emitters_;
     const LightSampler& light_sampler_;
-    std::uint32_t dimensions_ = 0;
+    PathSplitting splitting_;
 };
+
+void PathIntegrator::prepare(const Scene& scene) {
+    splitting_ = {.light_samples = emitter_samples_, .block_size = reuse_};
+    // Samplers of many draws make a path's own light good, and reuse dear.
+    if (max_depth_ <= 2 || light_sampler_.draws() > 8) splitting_.block_size = 1;
+    if (max_depth_ <= 1 || light_sampler_.draws() > 8) splitting_.light_samples = 1;
+    if (splitting_.light_samples > 0 && splitting_.block_size > 0) return;
+    const PathNoise noise = PathNoiseMeter(scene).measure(
+        [&](std::span<CameraSample> samples, std::span<ReusablePath> kept, int light_samples) {
+            trace(scene, samples, kept, light_samples);
+        });
+    splitting_ = best_splitting(noise, splitting_);
+}
 
 /// Adds what is emitted where the ray ends.
 void PathIntegrator::add_found_light(const Scene& scene, Path& path) const {
@@ -156,10 +174,15 @@ void PathIntegrator::keep_vertex(Path& path) {
 }
 
 /// Light sampling at the vertices of all paths, then all shadow rays.
-void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, int step) const {
+void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) const {
+    if (paths.empty()) return;
+    const std::uint32_t draws = light_sampler_.draws();
+    const std::uint32_t passes = paths.front()->light_samples;  // the same for all
+    const std::uint32_t light_numbers = passes * light_dimensions(light_sampler_);
     for (Path* path : paths) {
         SampleStream& stream = path->sample->stream;
-        stream.jump_to(camera_dimensions + static_cast<std::uint32_t>(step) * dimensions_);
+        stream.jump_to(path->dimension);
+        path->dimension += bsdf_dimensions + light_numbers;
         path->u_direction = stream.next_2d();
         path->u_lobe_and_roulette = stream.next_2d();
         path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
@@ -173,19 +196,20 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
         if (path->surface->samples_lights) asking.push_back(path);
     }
     std::vector<LightQuery> queries(asking.size());
-    for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
+    const auto pass_count = static_cast<float>(passes);
+    for (std::uint32_t k = 0; k < draws * passes; ++k) {
         for (std::size_t i = 0; i < asking.size(); ++i) {
             Path& path = *asking[i];
             queries[i] = {.at = &path.surface->receiver, .u = path.sample->stream.next_2d().x};
             path.u_light = path.sample->stream.next_2d();
         }
-        choose_lights(scene, light_sampler_, draw, queries);
+        choose_lights(scene, light_sampler_, k % draws, queries);
         lit.clear();
         for (std::size_t i = 0; i < asking.size(); ++i) {
             Path* const path = asking[i];
             const std::optional<LightChoice>& choice = queries[i].choice;
-            if (choice &&
-                sample_light(scene, *choice, *path->surface, path->u_light, 1, 1, path->light)) {
+            if (choice && sample_light(scene, *choice, *path->surface, path->u_light, pass_count, 1,
+                                       path->light)) {
                 lit.push_back(path);
             }
         }
@@ -197,7 +221,7 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
                 light.sample.radiance *= arriving;
                 path->kept->lights.emplace_back(light);
             } else {
-                path->direct += ColorD(arriving * light.value);
+                path->direct += ColorD(arriving * light.value / pass_count);
             }
         }
     }
@@ -209,6 +233,7 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths, in
 bool PathIntegrator::scatter(Path& path, int step) const {
     const Interaction& at = *path.hit;
     const LitSurface& surface = *path.surface;
+    const std::uint32_t light_samples = std::exchange(path.light_samples, 1);
     const std::optional<ScatteredRay> next =
         lucerna::scatter(at, -path.ray.d, path.u_lobe_and_roulette.x, path.u_direction);
     if (!next) return false;
@@ -223,6 +248,7 @@ bool PathIntegrator::scatter(Path& path, int step) const {
         path.eta2 *= sqr(sample.eta);
         path.before.receiver = surface.receiver;
         path.before.pdf = sample.pdf;
+        path.before.light_samples = static_cast<float>(light_samples);
         path.before.specular = sample.specular();
         path.ray = next->ray;
         if (path.kept && path.depth < 2) leave_kept_vertex(path, sample);
@@ -256,14 +282,16 @@ bool PathIntegrator::survive(Path& path) {
     return true;
 }
 
-/// All paths step by step together: while one waits for memory, the others go on.
-void PathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples) const {
-    if (max_depth_ == 0) return;
+/// All paths step by step together: while one waits for memory, the others go on. What `kept`, if
+/// it is not empty, has for other pixels is not in the samples yet.
+void PathIntegrator::trace(const Scene& scene, std::span<CameraSample> samples,
+                           std::span<ReusablePath> kept, int light_samples) const {
     std::vector<Path> paths;
     paths.reserve(samples.size());
     Paths active;
-    for (CameraSample& sample : samples) active.push_back(&paths.emplace_back(sample));
-    std::vector<ReusablePath> kept(reuses() ? samples.size() : 0);
+    for (CameraSample& sample : samples) {
+        active.push_back(&paths.emplace_back(sample, static_cast<std::uint32_t>(light_samples)));
+    }
     for (std::size_t i = 0; i < kept.size(); ++i) {
         kept[i].radiance = &samples[i].result.radiance;
         paths[i].kept = &kept[i];
@@ -272,9 +300,15 @@ void PathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples)
         const std::vector<TracedRay*> rays(active.begin(), active.end());
         scene.intersect(rays);
         std::erase_if(active, [&](Path* path) { return !arrive(scene, *path); });
-        add_direct_light(scene, active, step);
+        add_direct_light(scene, active);
         std::erase_if(active, [&](Path* path) { return !scatter(*path, step); });
     }
+}
+
+void PathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples) const {
+    if (max_depth_ == 0) return;
+    std::vector<ReusablePath> kept(splitting_.block_size > 1 ? samples.size() : 0);
+    trace(scene, samples, kept, splitting_.light_samples);
     for (std::size_t begin = 0, end = 0; begin < kept.size(); begin = end) {
         while (end < kept.size() && samples[end].block == samples[begin].block) ++end;
         reuse_paths(scene, std::span(kept).subspan(begin, end - begin));

@@ -73,9 +73,17 @@ protected:
 
 TEST_F(PathReuse, G11_AgreesWithPathsOfTheirOwnInEveryPixel) {
     const Images own(scene(1), 256, 0, 48);
-    for (const int reuse : {2, 4}) {
-        const Images shared(scene(reuse), 128, 1000, 48);
+    for (const int reuse : {2, 4, 8}) {
+        const Images shared(scene(reuse), reuse == 8 ? 32 : 128, 1000, 48);
         EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance)) << reuse;
+    }
+}
+
+TEST_F(PathReuse, G11_LightSamplesOfTheFirstVertexDoNotChangeTheMean) {
+    const Images one(scene(1), 256, 0, 48);
+    for (const int reuse : {1, 4}) {
+        const Images several(scene(reuse, integer("emitter_samples", 4)), 64, 3000, 48);
+        EXPECT_TRUE(image_matches(several.mean, several.variance, one.mean, one.variance)) << reuse;
     }
 }
 
