@@ -49,7 +49,7 @@ struct TypeSize {
     std::size_t size;
 };
 
-/// Of the types whose size never changes ("OpenEXR File Layout", attribute types).
+/// Sizes of the types whose size never changes ("OpenEXR File Layout", attribute types).
 constexpr std::array type_sizes{
     TypeSize{"box2f", 16},
     TypeSize{"box2i", 16},

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "core/interfaces/lanes.h"
-#include "core/interfaces/samples.h"
+#include "core/interfaces/scattering.h"
 #include "core/interfaces/texture.h"
 #include "core/plugin/plugin.h"
 

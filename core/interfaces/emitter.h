@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Where light comes from.
 ///
-/// An emitter is a law of emission. A light (samples.h) is one place where it holds: a primitive of
+/// An emitter is a law of emission. A light (light.h) is one place where it holds: a primitive of
 /// a shape for `area`, a part of the picture for `envmap`, the emitter itself for all others. The
 /// scene keeps all lights in one flat table; light samplers speak of indices into it. World space;
 /// radiance in W/(m² sr).
 #pragma once
 
 #include "core/interfaces/lanes.h"
-#include "core/interfaces/samples.h"
+#include "core/interfaces/light.h"
 #include "core/interfaces/texture.h"
 #include "core/math/bounds.h"
 #include "core/plugin/plugin.h"

@@ -27,7 +27,7 @@ public:
     static constexpr const char* kind = "film";
     ~Film() override;
 
-    /// Of the whole image [pixels].
+    /// Size of the whole image [pixels].
     virtual Vector2i size() const = 0;
     virtual CropWindow crop() const = 0;
     virtual const RFilter& rfilter() const = 0;

@@ -3,7 +3,7 @@
 /// them into vector instructions, although each lane reads as if it were alone.
 #pragma once
 
-#include "core/interfaces/samples.h"
+#include "core/interfaces/scattering.h"
 
 /// Before a function with such a loop: it is compiled twice, for eight floats at a time where the
 /// processor has them, with the same results. What it calls must be inline. Functions in headers

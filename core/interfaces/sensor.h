@@ -4,7 +4,7 @@
 
 #include "core/interfaces/film.h"
 #include "core/interfaces/sampler.h"
-#include "core/interfaces/samples.h"
+#include "core/interfaces/interaction.h"
 #include "core/math/transform.h"
 #include "core/plugin/plugin.h"
 

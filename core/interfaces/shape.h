@@ -6,75 +6,17 @@
 /// analytic shapes bring a function that knows no Embree.
 #pragma once
 
+#include "core/interfaces/geometry.h"
 #include "core/interfaces/lanes.h"
-#include "core/interfaces/samples.h"
-#include "core/math/bounds.h"
 #include "core/math/solid_angle.h"
-#include "core/math/transform.h"
 #include "core/plugin/plugin.h"
 
 #include <optional>
-#include <span>
-#include <variant>
-#include <vector>
 
 namespace lucerna {
 
 class BSDF;
-
-/// Positions of vertices that lie `stride` floats apart. There are 16 readable bytes at each.
-struct VertexPositions {
-    const float* first = nullptr;
-    std::size_t count = 0;
-    std::size_t stride = 3;
-
-    Vector3 operator[](std::size_t i) const {
-        const float* const p = first + i * stride;
-        return {p[0], p[1], p[2]};
-    }
-};
-
-/// Vertices and, three to a triangle, their indices. The shape keeps the memory.
-struct TriangleGeometry {
-    VertexPositions positions;
-    std::span<const std::uint32_t> indices;
-};
-
-/// corner + u edge_u + v edge_v for u, v in [0, 1].
-struct Parallelogram {
-    Vector3 corner, edge_u, edge_v;
-};
-
-/// One parallelogram to a primitive.
-struct ParallelogramGeometry {
-    std::vector<Parallelogram> list;
-};
-
-/// One primitive that answers rays by itself through `Shape::intersect`.
-struct AnalyticGeometry {
-    Bounds3 bounds;
-};
-
-/// A set of shapes, placed once more.
-struct InstanceGeometry {
-    const Shape* group;
-    Transform world_from_group;
-};
-
-/// Shapes that are only seen through instances.
-struct GroupGeometry {
-    std::span<const Shape* const> shapes;
-};
-
-using Geometry = std::variant<TriangleGeometry, ParallelogramGeometry, AnalyticGeometry,
-                              InstanceGeometry, GroupGeometry>;
-
-/// Where a ray met a primitive.
-struct Hit {
-    float t = infinity;
-    Vector2 uv{0};  ///< barycentrics of vertices 1 and 2, u and v of a parallelogram, or free
-    std::uint32_t primitive = 0;
-};
+class Emitter;
 
 class Shape : public Object {
 public:
@@ -91,8 +33,8 @@ public:
     /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`. Unless
     /// `needs_tangents`, dpdu and dpdv may be left as they are, and any frame will do.
     virtual void fill(const Ray& ray, const Hit& hit, Interaction& at) const = 0;
-    /// Asks the memory for what hits and samples read of a primitive: first for what tells where
-    /// that is, then, when this has arrived, for the rest. Called only if that may be far away.
+    /// Prefetches a primitive: first its indices, then, when they have arrived, its data. Called
+    /// only for shapes that the nearest cache does not hold.
     enum class Prefetch { addresses, data };
     virtual void prefetch(std::uint32_t /*primitive*/, Prefetch) const {}
 

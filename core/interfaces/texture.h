@@ -2,7 +2,7 @@
 /// A value over a surface, and the two inputs through which plugins read it.
 #pragma once
 
-#include "core/interfaces/samples.h"
+#include "core/interfaces/interaction.h"
 #include "core/plugin/plugin.h"
 
 namespace lucerna {

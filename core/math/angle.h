@@ -27,7 +27,7 @@ inline FourFloats angles_of(FourFloats x, FourFloats y) {
     return copysign(reflected(acute, pi / 2, x), y);
 }
 
-/// Of one direction.
+/// The same for one direction.
 inline float angle_of(float x, float y) { return angles_of(FourFloats{x}, FourFloats{y})[0]; }
 
 }  // namespace lucerna

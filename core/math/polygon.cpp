@@ -18,7 +18,7 @@ public:
         for (std::size_t i = 1; i + 1 < corners.size(); ++i) normal_ += triangle_normal(i);
     }
 
-    /// Of the whole polygon, as long as twice its area (Newell).
+    /// Normal of the whole polygon, as long as twice its area (Newell).
     Vector3d normal() const { return normal_; }
     Vector3d edge(std::size_t i) const {
         return Vector3d(positions_[corners_[i]]) - Vector3d(positions_[corners_[0]]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Finds plugins: (kind, name) → library → PluginInfo. The only user of dlopen.
+/// Finds plugins: (kind, name) → library → PluginInfo. Opens libraries by dlopen.
 ///
 /// A library is opened when it is first named, with RTLD_NOW | RTLD_LOCAL, and never closed.
 #pragma once

@@ -121,7 +121,7 @@ private:
         return v <= moderate * m2 ? m2 - v : std::min(m2, sqr(mean_around(i)));
     }
 
-    /// Of the same channel in the pixels around, without those whose samples reach this one.
+    /// Mean of the same channel in the pixels around, without those whose samples reach this one.
     double mean_around(std::size_t i) const {
         Moments result;
         for_each_around(i / 3, image_.reach + 1, image_.reach + 2,
@@ -200,7 +200,7 @@ private:
 
     const NoisyImage& image_;
     std::size_t pixels_;
-    /// Of pixels that stand out by few bright samples: the luminance around. NaN for others.
+    /// For pixels that stand out by few bright samples, the luminance around. NaN for others.
     std::vector<double> background_;
     double epsilon_ = 0;
 };

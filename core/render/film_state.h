@@ -116,7 +116,7 @@ private:
     std::size_t sampled_index(Vector2i pixel) const;
     std::size_t sampled_index(std::size_t crop_pixel) const;
     void add(const FilmTile& tile, Vector2i pixel);
-    /// Of a sampled pixel.
+    /// Value of a sampled pixel.
     double value(std::size_t i, Halves halves, std::size_t channel) const;
     std::int64_t weight(std::size_t i, Halves halves, std::size_t sign) const;
     double total_weight(std::size_t i) const;

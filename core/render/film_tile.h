@@ -36,7 +36,7 @@ public:
         return {.offset = window_.offset - filter_.reach(), .size = size_};
     }
 
-    /// Of each pixel: two halves and, if the filter has negative lobes, two for negative weights.
+    /// For each pixel, two halves and, if the filter has negative lobes, two for negative weights.
     static std::size_t bin_count(const ReconstructionFilter& filter) {
         return filter.negative_weight() > 0 ? 4 : 2;
     }

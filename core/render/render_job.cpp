@@ -305,7 +305,7 @@ RenderStatus RenderJob::status() const {
     return status;
 }
 
-/// Of the limit that is nearest. The error falls with the number of samples.
+/// Progress towards the nearest limit. The error falls with the number of samples.
 double RenderJob::fraction(const RenderStatus& status) const {
     const RenderBudget& budget = options_.budget;
     double result = 0;

@@ -113,7 +113,7 @@ private:
 
     /// Samples that are estimated at once, grown and shrunk by what they take.
     std::atomic<std::size_t> batch_size_{1};
-    /// Of this pass: the number of samples per pixel that are done, summed over tiles.
+    /// Samples per pixel of this pass that are done, summed over tiles.
     std::atomic<std::int64_t> samples_of_tiles_{0};
 
     std::optional<ErrorEstimate> error_;

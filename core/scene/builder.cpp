@@ -39,7 +39,7 @@ public:
     /// Where the elements of these objects are; of a default, who asked for it.
     std::vector<Location> take_places() { return std::move(places_); }
 
-    /// Of the description, and of the contents of the files that were asked for.
+    /// Hash of the description and of the contents of the files that were asked for.
     std::uint64_t hash() const { return hash_; }
 
     const Object* object(const Child& child) override { return built_.at(child.element); }

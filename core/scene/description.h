@@ -99,11 +99,11 @@ struct Description {
     bool buildable = false;
     /// Folders in which relative file names are looked for, in order.
     std::vector<std::string> search_paths;
-    /// Of everything that was read, after overrides: equal hashes mean equal scenes.
+    /// Hash of everything that was read, after overrides: equal hashes mean equal scenes.
     std::uint64_t hash = 0;
 };
 
-/// Of kinds, types, names, values and structure, in an order that does not depend on how properties
+/// Hash of kinds, types, names, values and structure, in an order that does not depend on how properties
 /// are ordered. Ids and places do not count; of files that plugins will read only the names count
 /// here, the contents are added when they are found (Scene::hash). The same on every machine.
 std::uint64_t hash_of(const Description& description);

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/interfaces/lanes.h"
-#include "core/interfaces/samples.h"
+#include "core/interfaces/interaction.h"
 
 #include <optional>
 

@@ -72,7 +72,7 @@ public:
     /// Radiance that arrives from infinity along a ray of direction `d`.
     Color environment(Vector3 d) const;
 
-    /// Of all shapes; a point at the origin if there are none.
+    /// Bounds of all shapes; a point at the origin if there are none.
     const Bounds3& bounds() const { return bounds_; }
     const Integrator& integrator() const { return *parts_.integrator; }
     const Sensor& sensor() const { return *parts_.sensor; }

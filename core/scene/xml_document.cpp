@@ -178,7 +178,7 @@ private:
                                        source_.is_shown ? ": " + quote(trimmed(value)) : ""));
     }
 
-    /// Of the '<' before a name or a value.
+    /// Offset of the '<' before a name or a value.
     std::size_t offset(pugi::xml_node node) const {
         const std::ptrdiff_t inside = node.offset_debug();
         return inside > 0 ? source_.text.rfind('<', static_cast<std::size_t>(inside) - 1) : 0;

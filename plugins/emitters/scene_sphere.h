@@ -18,7 +18,7 @@ struct SceneSphere {
         if (exact > 0) radius = 1.0001f * exact;
     }
 
-    /// Of the disk through the center [m²].
+    /// Area of the disk through the center [m²].
     float cross_section() const { return pi * radius * radius; }
 
     /// Where a ray of direction `d` starts: uniform by area on the disk that touches the sphere

@@ -46,7 +46,7 @@ public:
 
 private:
     static constexpr std::uint32_t camera_dimensions = 4;
-    // Of a bounce: direction, lobe and roulette, light samples. All in pairs, which the sampler
+    // For each bounce: direction, lobe and roulette, light samples. All in pairs, which the sampler
     // computes together.
     static constexpr std::uint32_t bsdf_dimensions = 4;
 

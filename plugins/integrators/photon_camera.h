@@ -28,7 +28,7 @@ struct PathLimits {
     int max_depth, rr_depth;
 };
 
-class CameraWalk {
+class CameraPathTracer {
 public:
     struct Settings {
         int max_depth = 0;
@@ -38,7 +38,8 @@ public:
             0;  ///< numbers that the callback takes, if not for lights
     };
 
-    CameraWalk(const Scene& scene, const LightSampler& light_sampler, const Settings& settings)
+    CameraPathTracer(const Scene& scene, const LightSampler& light_sampler,
+                     const Settings& settings)
         : scene_(scene),
           light_sampler_(light_sampler),
           settings_(settings),
@@ -76,7 +77,7 @@ private:
 /// Follows the ray to the next surface that scatters, adding what is emitted on the way; false if
 /// there is none. Emitters that are hidden are none. After the last edge that is allowed, only
 /// light that goes straight through counts.
-inline bool CameraWalk::arrive(Path& path, PixelSample& result) const {
+inline bool CameraPathTracer::arrive(Path& path, PixelSample& result) const {
     const bool hidden = path.edges == 1 && settings_.hide_emitters;
     const bool show = settings_.lights && !hidden;
     const Vector3 d = path.ray.d;
@@ -105,8 +106,8 @@ inline bool CameraWalk::arrive(Path& path, PixelSample& result) const {
 }
 
 template <typename Gather>
-void CameraWalk::operator()(const Ray& ray, SampleStream& stream, PixelSample& result,
-                            Gather&& gather) const {
+void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSample& result,
+                                  Gather&& gather) const {
     if (settings_.max_depth == 0) return;
     Path path{.ray = ray};
     for (std::uint32_t step = 0; arrive(path, result); ++step) {

@@ -9,7 +9,7 @@ namespace lucerna {
 
 /// What becomes of photons where they have met a surface, but for what only the material knows.
 struct ScatteringLanes {
-    // Of the photons that arrive. Lanes without one keep what others have left there.
+    // What arrives with the photons. Lanes without one keep what others have left there.
     Vector3Lanes d{}, power{};
     Vector3Lanes s{}, t{}, ns{};  ///< frame of the shading normal
     Vector3Lanes n{}, p{};

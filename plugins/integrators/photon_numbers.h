@@ -43,7 +43,7 @@ private:
         std::uint32_t coefficients;
         std::array<std::uint32_t, 5> first;
     };
-    /// Of the dimensions after the first, whose numbers are the powers of ½ alone.
+    /// For the dimensions after the first, whose numbers are the powers of ½ alone.
     static constexpr std::array<Polynomial, dimensions - 1> polynomials = {{
         {1, 0, {1}},
         {2, 1, {1, 3}},

@@ -77,7 +77,7 @@ struct PhotonEnergy {
     }
 };
 
-/// Shares photons among the lights by systematic sampling: of n photons each light with the
+/// MixtureWeights photons among the lights by systematic sampling: of n photons each light with the
 /// fraction p of the power emits ⌊n p⌋ or ⌈n p⌉, n p on average. They are numbered light by light.
 class PhotonEmission {
 public:
@@ -164,7 +164,7 @@ public:
 
 private:
     /// A photon under way.
-    struct Flight : TracedRay {
+    struct PhotonPath : TracedRay {
         std::uint64_t photon = 0;
         PhotonNumbers numbers;
         Color power{0};
@@ -172,34 +172,34 @@ private:
         int surfaces = 0;  ///< that it has met
         int depth = 0;     ///< edges so far: what it goes straight through does not end one
     };
-    /// Flights that have come to surfaces of the same material, which scatters them together.
-    struct Meeting {
-        explicit Meeting(const BSDF* material)
+    /// Photons at surfaces of the same material, which scatters them together.
+    struct MaterialQueue {
+        explicit MaterialQueue(const BSDF* material)
             : bsdf(material), stored(stores_photons(*material)) {}
 
         const BSDF* bsdf;
         bool stored;
         std::size_t count = 0;
-        std::array<Flight*, lane_count> flights;
+        std::array<PhotonPath*, lane_count> paths;
     };
     /// Photons that fly side by side: while one waits for memory, the others go on.
-    struct Wave {
+    struct Wavefront {
         static constexpr std::size_t size = 96;
 
-        Wave() {
+        Wavefront() {
             for (auto* list : {&idle, &flying, &landed}) list->reserve(size);
-            for (Flight& flight : flights) idle.push_back(&flight);
+            for (PhotonPath& path : paths) idle.push_back(&path);
         }
-        Meeting& meeting(const BSDF* bsdf) {
-            for (Meeting& known : meetings) {
+        MaterialQueue& queue(const BSDF* bsdf) {
+            for (MaterialQueue& known : queues) {
                 if (known.bsdf == bsdf) return known;
             }
-            return meetings.emplace_back(bsdf);
+            return queues.emplace_back(bsdf);
         }
 
-        std::array<Flight, size> flights;
-        std::vector<Flight*> idle, flying, landed;
-        std::vector<Meeting> meetings;
+        std::array<PhotonPath, size> paths;
+        std::vector<PhotonPath*> idle, flying, landed;
+        std::vector<MaterialQueue> queues;
         std::vector<TracedRay*> rays;
         // Kept, so that lanes without a photon hold what others left there.
         Vector2Lanes u_position{}, u_direction{};
@@ -211,11 +211,12 @@ private:
         return surfaces < pass.rr_depth ? infinity : surfaces < 64 ? 1.0f : 0.95f;
     }
     std::uint64_t emit(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end,
-                       PhotonEnergy& energy, Wave& wave) const;
+                       PhotonEnergy& energy, Wavefront& wavefront) const;
     template <typename Visit>
-    void arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy, Wave& wave,
-                Visit& visit) const;
-    void scatter(const PhotonPass& pass, Meeting& meeting, PhotonEnergy& energy, Wave& wave) const;
+    void arrive(const PhotonPass& pass, PhotonPath& path, PhotonEnergy& energy,
+                Wavefront& wavefront, Visit& visit) const;
+    void scatter(const PhotonPass& pass, MaterialQueue& queue, PhotonEnergy& energy,
+                 Wavefront& wavefront) const;
     [[noreturn]] void refuse_emission(std::uint32_t light, Vector3 at) const;
     [[noreturn]] void refuse_scattering(Vector3 at) const;
 
@@ -223,124 +224,128 @@ private:
     PhotonEmission emission_;
 };
 
-/// As soon as a flight has ended the next one starts.
+/// As soon as a path has ended the next one starts.
 template <typename Visit>
 void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end,
                          PhotonEnergy& energy, Visit&& visit) const {
-    Wave wave;
-    while (begin < end || !wave.flying.empty()) {
-        while (begin < end && !wave.idle.empty()) begin = emit(pass, begin, end, energy, wave);
-        wave.rays.assign(wave.flying.begin(), wave.flying.end());
-        scene_.intersect(wave.rays);
-        std::swap(wave.flying, wave.landed);
-        wave.flying.clear();
-        for (Flight* flight : wave.landed) arrive(pass, *flight, energy, wave, visit);
-        for (Meeting& meeting : wave.meetings) scatter(pass, meeting, energy, wave);
-        wave.meetings.clear();
+    Wavefront wavefront;
+    while (begin < end || !wavefront.flying.empty()) {
+        while (begin < end && !wavefront.idle.empty())
+            begin = emit(pass, begin, end, energy, wavefront);
+        wavefront.rays.assign(wavefront.flying.begin(), wavefront.flying.end());
+        scene_.intersect(wavefront.rays);
+        std::swap(wavefront.flying, wavefront.landed);
+        wavefront.flying.clear();
+        for (PhotonPath* path : wavefront.landed) arrive(pass, *path, energy, wavefront, visit);
+        for (MaterialQueue& queue : wavefront.queues) scatter(pass, queue, energy, wavefront);
+        wavefront.queues.clear();
     }
 }
 
 /// Lets photon `begin` and as many after it leave as one light sends together, as there are idle
-/// flights, and before `end`. Returns the first that has still to leave.
+/// paths, and before `end`. Returns the first that has still to leave.
 inline std::uint64_t PhotonTracer::emit(const PhotonPass& pass, std::uint64_t begin,
-                                        std::uint64_t end, PhotonEnergy& energy, Wave& wave) const {
+                                        std::uint64_t end, PhotonEnergy& energy,
+                                        Wavefront& wavefront) const {
     if (pass.max_depth < 1) return end;
     const auto choice = emission_.choose(begin, pass.count, uint64_to_double(mix64(pass.key)));
-    const auto count = static_cast<std::size_t>(std::min(
-        {end - begin, choice.left, std::uint64_t{wave.idle.size()}, std::uint64_t{lane_count}}));
+    const auto count = static_cast<std::size_t>(
+        std::min({end - begin, choice.left, std::uint64_t{wavefront.idle.size()},
+                  std::uint64_t{lane_count}}));
     const Light& light = scene_.lights()[choice.light];
     PhotonSequence sequence(hash_combine(pass.key, choice.light));
-    std::array<Flight*, lane_count> flights;
-    std::copy_n(wave.idle.end() - static_cast<std::ptrdiff_t>(count), count, flights.begin());
-    wave.idle.resize(wave.idle.size() - count);
+    std::array<PhotonPath*, lane_count> paths;
+    std::copy_n(wavefront.idle.end() - static_cast<std::ptrdiff_t>(count), count, paths.begin());
+    wavefront.idle.resize(wavefront.idle.size() - count);
     for (std::size_t i = 0; i < count; ++i) {
-        const PhotonNumbers numbers = flights[i]->numbers = sequence.photon(choice.index + i);
-        wave.u_position.set(i, numbers.position());
-        wave.u_direction.set(i, numbers.direction());
+        const PhotonNumbers numbers = paths[i]->numbers = sequence.photon(choice.index + i);
+        wavefront.u_position.set(i, numbers.position());
+        wavefront.u_direction.set(i, numbers.direction());
     }
     EmissionLanes emitted;
-    light.emitter->sample_emission_lanes(light, wave.u_position, wave.u_direction, count, emitted);
+    light.emitter->sample_emission_lanes(light, wavefront.u_position, wavefront.u_direction, count,
+                                         emitted);
     const float scale = 1 / static_cast<float>(choice.pmf);
     for (std::size_t i = 0; i < count; ++i) {
-        Flight& flight = *flights[i];
-        flight.photon = begin + i;
-        flight.ray = {.o = emitted.o[i], .d = emitted.d[i]};
-        flight.power = emitted.power[i] * scale;
-        flight.kind = PhotonKind::direct;
-        flight.surfaces = flight.depth = 0;
-        if (!is_finite(flight.power)) refuse_emission(choice.light, flight.ray.o);
-        energy.emitted += static_cast<double>(luminance(flight.power));
-        (is_black(flight.power) ? wave.idle : wave.flying).push_back(&flight);
+        PhotonPath& path = *paths[i];
+        path.photon = begin + i;
+        path.ray = {.o = emitted.o[i], .d = emitted.d[i]};
+        path.power = emitted.power[i] * scale;
+        path.kind = PhotonKind::direct;
+        path.surfaces = path.depth = 0;
+        if (!is_finite(path.power)) refuse_emission(choice.light, path.ray.o);
+        energy.emitted += static_cast<double>(luminance(path.power));
+        (is_black(path.power) ? wavefront.idle : wavefront.flying).push_back(&path);
     }
     return begin + count;
 }
 
-/// What happens where the ray ends. If that is on a surface, the flight waits there for others.
+/// What happens where the ray ends. If that is on a surface, the path waits there for others.
 template <typename Visit>
-void PhotonTracer::arrive(const PhotonPass& pass, Flight& flight, PhotonEnergy& energy, Wave& wave,
-                          Visit& visit) const {
-    ++flight.surfaces;
-    ++flight.depth;
-    if (!flight.hit) {
-        energy.escaped += static_cast<double>(luminance(flight.power));
-        wave.idle.push_back(&flight);
+void PhotonTracer::arrive(const PhotonPass& pass, PhotonPath& path, PhotonEnergy& energy,
+                          Wavefront& wavefront, Visit& visit) const {
+    ++path.surfaces;
+    ++path.depth;
+    if (!path.hit) {
+        energy.escaped += static_cast<double>(luminance(path.power));
+        wavefront.idle.push_back(&path);
         return;
     }
-    const Interaction& at = *flight.hit;
-    Meeting& meeting = wave.meeting(at.shape->bsdf());
-    if (includes(pass.kinds, flight.kind)) {
+    const Interaction& at = *path.hit;
+    MaterialQueue& queue = wavefront.queue(at.shape->bsdf());
+    if (includes(pass.kinds, path.kind)) {
         visit(PhotonHit{.at = at,
-                        .w = -flight.ray.d,
-                        .power = flight.power,
-                        .photon = flight.photon,
-                        .depth = flight.depth,
-                        .kind = flight.kind,
-                        .stored = meeting.stored});
+                        .w = -path.ray.d,
+                        .power = path.power,
+                        .photon = path.photon,
+                        .depth = path.depth,
+                        .kind = path.kind,
+                        .stored = queue.stored});
     }
-    meeting.flights[meeting.count++] = &flight;
-    if (meeting.count == lane_count) scatter(pass, meeting, energy, wave);
+    queue.paths[queue.count++] = &path;
+    if (queue.count == lane_count) scatter(pass, queue, energy, wavefront);
 }
 
-/// Lets the material turn all flights that have met there, or end them.
-inline void PhotonTracer::scatter(const PhotonPass& pass, Meeting& meeting, PhotonEnergy& energy,
-                                  Wave& wave) const {
+/// Lets the material turn all paths that have met there, or end them.
+inline void PhotonTracer::scatter(const PhotonPass& pass, MaterialQueue& queue,
+                                  PhotonEnergy& energy, Wavefront& wavefront) const {
     std::array<const Interaction*, lane_count> at;
-    ScatteringLanes& lanes = wave.scattering;
-    for (std::size_t i = 0; i < meeting.count; ++i) {
-        Flight& flight = *meeting.flights[i];
-        at[i] = &*flight.hit;
-        const PhotonNumbers::Scattering u = flight.numbers.scattering(flight.surfaces == 1);
+    ScatteringLanes& lanes = wavefront.scattering;
+    for (std::size_t i = 0; i < queue.count; ++i) {
+        PhotonPath& path = *queue.paths[i];
+        at[i] = &*path.hit;
+        const PhotonNumbers::Scattering u = path.numbers.scattering(path.surfaces == 1);
         lanes.u_lobe[i] = u.lobe;
         lanes.u_direction.set(i, u.direction);
         lanes.u_survival[i] = u.survival;
-        lanes.most_survival[i] = most_survival(pass, flight.surfaces);
-        lanes.set(i, *at[i], flight.ray.d, flight.power);
+        lanes.most_survival[i] = most_survival(pass, path.surfaces);
+        lanes.set(i, *at[i], path.ray.d, path.power);
     }
-    lanes.look_back(meeting.count);
-    meeting.bsdf->sample_lanes({at.data(), meeting.count}, lanes.wo, lanes.u_lobe,
-                               lanes.u_direction, TransportMode::importance, lanes.next);
-    lanes.scatter(meeting.count);
-    for (std::size_t i = 0; i < meeting.count; ++i) {
-        Flight& flight = *meeting.flights[i];
+    lanes.look_back(queue.count);
+    queue.bsdf->sample_lanes({at.data(), queue.count}, lanes.wo, lanes.u_lobe, lanes.u_direction,
+                             TransportMode::importance, lanes.next);
+    lanes.scatter(queue.count);
+    for (std::size_t i = 0; i < queue.count; ++i) {
+        PhotonPath& path = *queue.paths[i];
         if (lanes.broken[i] != 0) refuse_scattering(at[i]->p);
         energy.absorbed +=
             static_cast<double>(lanes.arriving[i]) - static_cast<double>(lanes.leaving[i]);
         if (lanes.next.lobe[i] == Lobe::null) {
-            --flight.depth;  // the edge goes on
-        } else if (flight.kind != PhotonKind::indirect) {
-            const bool diffuse = meeting.stored && !any(lanes.next.lobe[i] & delta_lobes);
-            flight.kind = diffuse ? PhotonKind::indirect : PhotonKind::caustic;
+            --path.depth;  // the edge goes on
+        } else if (path.kind != PhotonKind::indirect) {
+            const bool diffuse = queue.stored && !any(lanes.next.lobe[i] & delta_lobes);
+            path.kind = diffuse ? PhotonKind::indirect : PhotonKind::caustic;
         }
         // From the first diffuse surface on all is indirect: a pass for caustics ends there.
         const bool seen =
-            flight.kind != PhotonKind::indirect || includes(pass.kinds, PhotonKind::indirect);
-        const bool goes_on = (lanes.leaving[i] > 0) & seen & (flight.depth < pass.max_depth);
+            path.kind != PhotonKind::indirect || includes(pass.kinds, PhotonKind::indirect);
+        const bool goes_on = (lanes.leaving[i] > 0) & seen & (path.depth < pass.max_depth);
         energy.cut += static_cast<double>(select(goes_on, 0, lanes.leaving[i]));
-        flight.power = lanes.left[i];
-        flight.ray = {.o = lanes.o[i], .d = lanes.wi[i], .source = at[i]->source};
-        (goes_on ? wave.flying : wave.idle).push_back(&flight);
+        path.power = lanes.left[i];
+        path.ray = {.o = lanes.o[i], .d = lanes.wi[i], .source = at[i]->source};
+        (goes_on ? wavefront.flying : wavefront.idle).push_back(&path);
     }
-    meeting.count = 0;
+    queue.count = 0;
 }
 
 inline void PhotonTracer::refuse_emission(std::uint32_t light, Vector3 at) const {

@@ -240,11 +240,12 @@ void PhotonMapIntegrator::render(RenderJob& job) const {
     const Scene& scene = job.scene();
     const Maps maps = build(job);
     if (job.interrupted()) return;
-    const CameraWalk walk(scene, light_sampler_,
-                          {.max_depth = limits_.max_depth,
-                           .hide_emitters = hide_emitters_,
-                           .lights = show_ == Show::radiance,
-                           .gather_dimensions = static_cast<std::uint32_t>(4 * final_gather_)});
+    const CameraPathTracer walk(
+        scene, light_sampler_,
+        {.max_depth = limits_.max_depth,
+         .hide_emitters = hide_emitters_,
+         .lights = show_ == Show::radiance,
+         .gather_dimensions = static_cast<std::uint32_t>(4 * final_gather_)});
     job.render_samples([&](const Ray& ray, SampleStream& stream, PixelSample& result) {
         walk(ray, stream, result, [&](const Interaction& at, Vector3 wo, int edges) {
             switch (show_) {

@@ -93,8 +93,8 @@ PhotonMap SPPMIntegrator::photons(const RenderJob& job, const PhotonTracer& trac
 void SPPMIntegrator::render(RenderJob& job) const {
     const Scene& scene = job.scene();
     const PhotonTracer tracer(scene);
-    const CameraWalk walk(scene, light_sampler_,
-                          {.max_depth = limits_.max_depth, .hide_emitters = hide_emitters_});
+    const CameraPathTracer walk(scene, light_sampler_,
+                                {.max_depth = limits_.max_depth, .hide_emitters = hide_emitters_});
     job.run_passes([&](SampleRange range) {
         for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {
             const PhotonMap map = photons(job, tracer, i);

@@ -38,7 +38,7 @@ constexpr std::size_t few_enough = LightLanes::width;
 constexpr float least_infinite_rays = 64;  ///< of a cell, to lights at infinity
 
 /// How draws are shared out at a point, as a thread last found it.
-struct Shares {
+struct MixtureWeights {
     std::uint64_t owner = 0;  ///< the sampler
     Receiver at;
     const LightCell* cell = nullptr;  ///< null: no list
@@ -48,8 +48,8 @@ struct Shares {
     alignas(32) float weights[most_lights];  ///< of the lanes of the cell
 };
 
-Shares& thread_shares() {
-    thread_local Shares shares;
+MixtureWeights& thread_weights() {
+    thread_local MixtureWeights shares;
     return shares;
 }
 
@@ -82,17 +82,17 @@ public:
 private:
     void make_cells(const Scene& scene);
     const LightCell* find_cell(const Receiver& at) const;
-    const Shares& shares_at(const Receiver& at) const;
-    const Shares& share_out(const Receiver& at, const LightCell* cell) const;
-    const Shares& share_everywhere(Shares& shares) const;
-    Draw begin(const Receiver& at, const Shares& shares, std::uint32_t draw, float u) const;
-    Draw begin_in_lists(const Shares& shares, double place) const;
+    const MixtureWeights& shares_at(const Receiver& at) const;
+    const MixtureWeights& share_out(const Receiver& at, const LightCell* cell) const;
+    const MixtureWeights& share_everywhere(MixtureWeights& shares) const;
+    Draw begin(const Receiver& at, const MixtureWeights& shares, std::uint32_t draw, float u) const;
+    Draw begin_in_lists(const MixtureWeights& shares, double place) const;
     std::optional<LightChoice> end(const Draw& draw) const;
     /// Whether the cell has learnt what lights at infinity bring.
-    static bool learnt_infinite(const Shares& shares) {
+    static bool learnt_infinite(const MixtureWeights& shares) {
         return shares.cell && shares.cell->infinite.size() > 0;
     }
-    float infinite_pmf(const Shares& shares, std::uint32_t i) const {
+    float infinite_pmf(const MixtureWeights& shares, std::uint32_t i) const {
         if (learnt_infinite(shares)) return shares.list * shares.cell->infinite.weight_of(i);
         return shares.infinite * static_cast<float>(lights_.infinite_power.pmf(i));
     }
@@ -108,7 +108,7 @@ private:
     std::uint64_t id_ = 0;
     SceneLights lights_;
     std::optional<std::uint32_t> only_;  ///< the light of a scene that has one
-    /// Of a scene with few lights: all of them.
+    /// In a scene with few lights, all of them.
     std::optional<LightCell> everywhere_;
     CellGrid grid_;
     std::vector<LightCell> cells_;
@@ -292,21 +292,22 @@ const LightCell* CacheLightSampler::find_cell(const Receiver& at) const {
     return cell == CellGrid::none ? nullptr : &cells_[cell];
 }
 
-const Shares& CacheLightSampler::shares_at(const Receiver& at) const {
-    const Shares& last = thread_shares();
+const MixtureWeights& CacheLightSampler::shares_at(const Receiver& at) const {
+    const MixtureWeights& last = thread_weights();
     if (last.owner == id_ && is_same_place(last.at, at)) return last;
     return share_out(at, find_cell(at));
 }
 
-const Shares& CacheLightSampler::share_out(const Receiver& at, const LightCell* cell) const {
-    Shares& shares = thread_shares();
+const MixtureWeights& CacheLightSampler::share_out(const Receiver& at,
+                                                   const LightCell* cell) const {
+    MixtureWeights& shares = thread_weights();
     shares.owner = id_;
     shares.at = at;
     shares.cell = nullptr;
     shares.infinite = lights_.infinite_share();
     shares.tree = 1 - shares.infinite;
     if (!cell) return shares;
-    cell->near.weigh(LitPoint(at), shares.weights);
+    cell->near.weigh(ReceiverRegion(at), shares.weights);
     if (everywhere_) return share_everywhere(shares);
     const float total = cell->infinite.total() + cell->far.total() + cell->clusters.total() +
                         cell->near.total(shares.weights);
@@ -319,7 +320,7 @@ const Shares& CacheLightSampler::share_out(const Receiver& at, const LightCell* 
 }
 
 /// Between the lights at infinity and all others, which have been weighed.
-const Shares& CacheLightSampler::share_everywhere(Shares& shares) const {
+const MixtureWeights& CacheLightSampler::share_everywhere(MixtureWeights& shares) const {
     const float total = everywhere_->near.total(shares.weights);
     if (total > 0) {
         shares.cell = &*everywhere_;
@@ -332,7 +333,7 @@ const Shares& CacheLightSampler::share_everywhere(Shares& shares) const {
 }
 
 /// The draw at a place in [0, total weight of the lists).
-Draw CacheLightSampler::begin_in_lists(const Shares& shares, double place) const {
+Draw CacheLightSampler::begin_in_lists(const MixtureWeights& shares, double place) const {
     const LightCell& cell = *shares.cell;
     const float scale = shares.list * static_cast<float>(draws_);
     const auto far = static_cast<double>(cell.far.total());
@@ -345,7 +346,7 @@ Draw CacheLightSampler::begin_in_lists(const Shares& shares, double place) const
     }
     if (place >= far && cell.clusters.size() > 0) {
         const FarLights::Choice cluster = cell.clusters.draw(place - far);
-        return {.walk = LightTree8::Walk(LitPoint(shares.at), cluster.rest, cluster.light),
+        return {.walk = LightTree8::Walk(ReceiverRegion(shares.at), cluster.rest, cluster.light),
                 .pmf = scale * cluster.weight};
     }
     if (cell.far.size() == 0) return {};
@@ -353,7 +354,7 @@ Draw CacheLightSampler::begin_in_lists(const Shares& shares, double place) const
     return {.light = LightChoice{far_light.light, scale * far_light.weight}};
 }
 
-Draw CacheLightSampler::begin(const Receiver& at, const Shares& shares, std::uint32_t draw,
+Draw CacheLightSampler::begin(const Receiver& at, const MixtureWeights& shares, std::uint32_t draw,
                               float u) const {
     const auto scale = static_cast<float>(draws_);
     double place = fine_number(at, draw, draws_, u);
@@ -372,7 +373,7 @@ Draw CacheLightSampler::begin(const Receiver& at, const Shares& shares, std::uin
     }
     if (lights_.tree.empty() || !(tree > 0)) return {};
     const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
-    return {.walk = LightTree8::Walk(LitPoint(at), rest),
+    return {.walk = LightTree8::Walk(ReceiverRegion(at), rest),
             .pmf = scale * shares.tree,
             .others = shares.cell};
 }
@@ -428,7 +429,7 @@ void CacheLightSampler::sample_batch(std::uint32_t draw, std::span<LightQuery> q
 
 float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
     if (only_) return light == *only_ ? static_cast<float>(draws_) : 0.0f;
-    const Shares& shares = shares_at(at);
+    const MixtureWeights& shares = shares_at(at);
     const auto scale = static_cast<float>(draws_);
     const auto found = std::lower_bound(lights_.infinite.begin(), lights_.infinite.end(), light);
     if (found != lights_.infinite.end() && *found == light) {
@@ -442,13 +443,14 @@ float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
         }
         const float far = shares.cell->far.weight_of(light);
         if (far > 0) return shares.list * scale * far;
-        // Of a light that the cluster does not hold this is zero, too.
+        // This is zero, too, for a light that the cluster does not hold.
         if (const auto cluster = shares.cell->clusters.last_up_to(lights_.tree.node_of(light))) {
-            const float pmf = lights_.tree.pmf(LitPoint(at), light, cluster->light);
+            const float pmf = lights_.tree.pmf(ReceiverRegion(at), light, cluster->light);
             if (pmf > 0) return shares.list * scale * cluster->weight * pmf;
         }
     }
-    return shares.tree > 0 ? scale * shares.tree * lights_.tree.pmf(LitPoint(at), light) : 0.0f;
+    return shares.tree > 0 ? scale * shares.tree * lights_.tree.pmf(ReceiverRegion(at), light)
+                           : 0.0f;
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ void HashLookup::build(const std::vector<Vector3>& points, const Bounds3& bounds
     for (auto& [key, cube] : all) {
         std::size_t i = mix64(key) & (slots_.size() - 1);
         while (slots_[i].key != 0) i = (i + 1) & (slots_.size() - 1);
-        // Of those in a large cube, some that are far from each other in the order of placement.
+        // From those in a large cube, some that are far from each other in the order of placement.
         const std::size_t count = std::min(cube.size(), most_points);
         slots_[i] = {key, static_cast<std::uint32_t>(members_.size()),
                      static_cast<std::uint32_t>(count)};

@@ -49,7 +49,7 @@ public:
 
 private:
     /// How draws are shared out at a point, as a thread last found it.
-    struct Shares {
+    struct MixtureWeights {
         std::uint64_t owner = 0;  ///< the sampler
         Receiver at;
         const CachePoint* point = nullptr;  ///< null: no list
@@ -62,10 +62,10 @@ private:
         alignas(32) float weights[2 * CachePoint::most_near];
     };
 
-    const Shares& shares_at(const Receiver& at) const;
-    float weight_in_lists(const Shares& shares, std::uint32_t light) const;
-    float pmf_in_shares(const Shares& shares, std::uint32_t light) const;
-    std::optional<std::uint32_t> draw_from_lists(const Shares& shares, double place) const;
+    const MixtureWeights& shares_at(const Receiver& at) const;
+    float weight_in_lists(const MixtureWeights& shares, std::uint32_t light) const;
+    float pmf_in_shares(const MixtureWeights& shares, std::uint32_t light) const;
+    std::optional<std::uint32_t> draw_from_lists(const MixtureWeights& shares, double place) const;
     float infinite_pmf(std::uint32_t i) const {
         return static_cast<float>(lights_.infinite_power.pmf(i));
     }
@@ -140,8 +140,8 @@ void CachePointSampler<Lookup>::prepare(const Scene& scene) {
 }
 
 template <typename Lookup>
-auto CachePointSampler<Lookup>::shares_at(const Receiver& at) const -> const Shares& {
-    thread_local Shares shares;
+auto CachePointSampler<Lookup>::shares_at(const Receiver& at) const -> const MixtureWeights& {
+    thread_local MixtureWeights shares;
     if (shares.owner == id_ && is_same_place(shares.at, at)) return shares;
     shares.owner = id_;
     shares.at = at;
@@ -150,7 +150,7 @@ auto CachePointSampler<Lookup>::shares_at(const Receiver& at) const -> const Sha
     shares.tree = options_.has_tail ? 1 - shares.infinite : 0;
     if (points_.empty()) return shares;
     const CachePoint& point = points_[lookup_.find(at)];
-    const LitPoint lit(at);
+    const ReceiverRegion lit(at);
     point.near.weigh(lit, shares.weights);
     shares.near = point.near.total(shares.weights);
     float total = shares.near + point.infinite;
@@ -171,7 +171,8 @@ auto CachePointSampler<Lookup>::shares_at(const Receiver& at) const -> const Sha
 }
 
 template <typename Lookup>
-float CachePointSampler<Lookup>::weight_in_lists(const Shares& shares, std::uint32_t light) const {
+float CachePointSampler<Lookup>::weight_in_lists(const MixtureWeights& shares,
+                                                 std::uint32_t light) const {
     const CachePoint& point = *shares.point;
     const std::size_t lane = point.near.find(light);
     float weight = lane < point.near.lights().size() ? shares.weights[lane] : 0.0f;
@@ -183,16 +184,18 @@ float CachePointSampler<Lookup>::weight_in_lists(const Shares& shares, std::uint
 
 /// Probability of a light that is somewhere, by lists and tree together.
 template <typename Lookup>
-float CachePointSampler<Lookup>::pmf_in_shares(const Shares& shares, std::uint32_t light) const {
+float CachePointSampler<Lookup>::pmf_in_shares(const MixtureWeights& shares,
+                                               std::uint32_t light) const {
     const float listed = shares.point ? shares.scale * weight_in_lists(shares, light) : 0.0f;
-    return shares.tree > 0 ? listed + shares.tree * lights_.tree.pmf(LitPoint(shares.at), light)
-                           : listed;
+    return shares.tree > 0
+               ? listed + shares.tree * lights_.tree.pmf(ReceiverRegion(shares.at), light)
+               : listed;
 }
 
 /// The light at a place in [0, total weight).
 template <typename Lookup>
-std::optional<std::uint32_t> CachePointSampler<Lookup>::draw_from_lists(const Shares& shares,
-                                                                        double place) const {
+std::optional<std::uint32_t> CachePointSampler<Lookup>::draw_from_lists(
+    const MixtureWeights& shares, double place) const {
     const CachePoint& point = *shares.point;
     const auto near = static_cast<double>(shares.near);
     if (place < near) return point.near.lights()[point.near.draw(shares.weights, place)];
@@ -218,7 +221,7 @@ std::optional<LightChoice> CachePointSampler<Lookup>::sample(const Receiver& at,
     if (const auto only = lights_.only_light()) {
         return LightChoice{*only, static_cast<float>(draws_)};
     }
-    const Shares& shares = shares_at(at);
+    const MixtureWeights& shares = shares_at(at);
     const auto scale = static_cast<float>(draws_);
     const double place = fine_number(at, draw, draws_, u);
     const auto infinite = static_cast<double>(shares.infinite);
@@ -236,7 +239,7 @@ std::optional<LightChoice> CachePointSampler<Lookup>::sample(const Receiver& at,
     }
     if (!(tree > 0)) return {};
     const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
-    const auto choice = lights_.tree.sample(LitPoint(at), rest);
+    const auto choice = lights_.tree.sample(ReceiverRegion(at), rest);
     if (!choice) return {};
     return LightChoice{choice->light, scale * pmf_in_shares(shares, choice->light)};
 }
@@ -245,7 +248,7 @@ template <typename Lookup>
 float CachePointSampler<Lookup>::pmf(const Receiver& at, std::uint32_t light) const {
     const auto scale = static_cast<float>(draws_);
     if (const auto only = lights_.only_light()) return light == *only ? scale : 0.0f;
-    const Shares& shares = shares_at(at);
+    const MixtureWeights& shares = shares_at(at);
     const auto found = std::lower_bound(lights_.infinite.begin(), lights_.infinite.end(), light);
     if (found != lights_.infinite.end() && *found == light) {
         const auto i = static_cast<std::uint32_t>(found - lights_.infinite.begin());

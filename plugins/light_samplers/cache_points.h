@@ -125,7 +125,7 @@ inline CachePoint make_cache_point(const Scene& scene, const SceneLights& lights
     CachePoint point;
     std::vector<Candidate> near;
     std::array<std::vector<std::pair<std::uint32_t, float>>, CachePoint::axes + 1> lists;
-    const LitPoint& region = study.region();
+    const ReceiverRegion& region = study.region();
     for (const Candidate& c : candidates) {
         const auto [lanes, i] = lights.tree.lane(c.light);
         const Vector3 to(lanes->cx[i] - region.p.x, lanes->cy[i] - region.p.y,

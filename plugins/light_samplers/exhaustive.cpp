@@ -83,7 +83,7 @@ const PointWeights& ExhaustiveLightSampler::weights(const Receiver& at) const {
     point.weights = infinite_;
     point.weights.resize(lights_.size());
     point.sum_until.clear();
-    const LitPoint lit(at);
+    const ReceiverRegion lit(at);
     double sum = 0;
     for (std::size_t i = 0; i < lights_.size(); i += 8) {
         float* const block = point.weights.data() + i;

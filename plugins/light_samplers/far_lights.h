@@ -45,7 +45,7 @@ public:
     }
     /// The light at a place in [0, total); there must be one.
     Choice draw(double place) const;
-    /// Of those that are kept, in a list by numbers, the last one that is not after `light`.
+    /// The last light of the list, which is in the order of numbers, that is not after `light`.
     std::optional<Choice> last_up_to(std::uint32_t light) const {
         const auto it = std::upper_bound(lights_.begin(), lights_.end(), light);
         if (it == lights_.begin()) return {};

@@ -2,7 +2,7 @@
 /// Random numbers that follow from a point: more bits than a float has, and jitter.
 #pragma once
 
-#include "core/interfaces/samples.h"
+#include "core/interfaces/interaction.h"
 #include "core/math/sequences.h"
 
 #include <bit>

@@ -31,7 +31,7 @@ struct alignas(32) InfiniteLanes {
 
 /// The contribution of one lane, for `contributions`.
 [[gnu::always_inline]] inline float contribution(const InfiniteLanes& l, std::size_t i,
-                                                 const LitPoint& at, Vector3 abs_n) {
+                                                 const ReceiverRegion& at, Vector3 abs_n) {
     using light_lanes::sided;
     const float x = l.cx[i], y = l.cy[i], z = l.cz[i];
     const float extent = abs_n.x * l.ex[i] + abs_n.y * l.ey[i] + abs_n.z * l.ez[i];

@@ -26,7 +26,7 @@ public:
 
 private:
     /// Light and probability, for a place in [0, 1).
-    std::optional<LightTree8::Choice> draw(const LitPoint& at, double place) const {
+    std::optional<LightTree8::Choice> draw(const ReceiverRegion& at, double place) const {
         std::vector<float> w(near_.lights().size());
         near_.weigh(at, w.data());
         const auto near = static_cast<double>(near_.total(w.data()));
@@ -54,7 +54,7 @@ inline float KeptLights::tail_share(LightStudy& study, const SceneLights& lights
         const std::size_t point = study.rng().next_uint() % study.points().size();
         const double u_list = study.rng().next_double();
         const double u_tree = study.rng().next_double();
-        const LitPoint& at = study.points()[point];
+        const ReceiverRegion& at = study.points()[point];
         const auto second_moment = [&](const std::optional<LightTree8::Choice>& choice) {
             if (!choice) return 0.0;
             return sqr(study.arriving(choice->light, point) / static_cast<double>(choice->pmf));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What a region of the scene remembers of the lights around it.
 ///
-/// Of the candidates that a study (light_study.h) found, the lights that bring most are weighed at
+/// Among the candidates that a study (light_study.h) found, the lights that bring most are weighed at
 /// each point, at most K, until they bring a given part of what all candidates do; the others, and
 /// clusters of lights, are weighed once. What a cell learnt of a candidate with its own few rays is
 /// joined with what its neighbours learnt of it. In scenes of some thousand lights a cell remembers

@@ -22,14 +22,14 @@ namespace lucerna {
 
 /// A receiver, as lights see it. With `slack` it stands for all points and with `spread` for all
 /// normals of a region: its radius, and the sine of the largest angle to the normal.
-struct LitPoint {
+struct ReceiverRegion {
     Vector3 p{0}, n{0}, ns{0};
     float two_sided = 0;  ///< 1: light arrives at both sides
     float slack = 0;
     float spread = 0;
 
-    LitPoint() = default;
-    explicit LitPoint(const Receiver& at) : p(at.p), n(at.n), ns(at.ns), slack(4 * at.error) {
+    ReceiverRegion() = default;
+    explicit ReceiverRegion(const Receiver& at) : p(at.p), n(at.n), ns(at.ns), slack(4 * at.error) {
         if (at.sides == Sides::both) two_sided = 1;
         if (at.sides == Sides::back) n = -n, ns = -ns;
     }
@@ -45,7 +45,7 @@ struct alignas(32) LightLanes {
     Lanes two_sided{};  ///< 1: they shine to both sides
     Lanes intensity{};  ///< zero: an empty lane
 
-    /// Of the numbers of eight lanes.
+    /// Sum of the numbers of eight lanes.
     static float sum(const float* w) {
         return ((w[0] + w[1]) + (w[2] + w[3])) + ((w[4] + w[5]) + (w[6] + w[7]));
     }
@@ -111,8 +111,8 @@ namespace light_lanes {
 /// The contribution of one lane. Always inline: the loops around it are compiled for more than one
 /// instruction set.
 template <typename Lights>
-[[gnu::always_inline]] inline float contribution(const Lights& l, std::size_t i, const LitPoint& at,
-                                                 Vector3 abs_n) {
+[[gnu::always_inline]] inline float contribution(const Lights& l, std::size_t i,
+                                                 const ReceiverRegion& at, Vector3 abs_n) {
     constexpr bool flat = std::is_same_v<Lights, FlatLanes>;
     const float dx = l.cx[i] - at.p.x, dy = l.cy[i] - at.p.y, dz = l.cz[i] - at.p.z;
     const float ex = l.ex[i] + at.slack, ey = l.ey[i] + at.slack, ez = l.ez[i] + at.slack;
@@ -157,8 +157,9 @@ template <typename Lights>
 
 template <typename Lights>
 [[gnu::always_inline]] inline void contributions(const Lights* lights, std::size_t blocks,
-                                                 const LitPoint& at, float* __restrict result) {
-    const LitPoint local = at;  // which `result` cannot overlap
+                                                 const ReceiverRegion& at,
+                                                 float* __restrict result) {
+    const ReceiverRegion local = at;  // which `result` cannot overlap
     const Vector3 abs_n = absolute(local.n);
     for (std::size_t b = 0; b < blocks; ++b) {
         for (std::size_t i = 0; i < LightLanes::width; ++i) {
@@ -171,7 +172,8 @@ template <typename Lights>
 /// The same operations on the same numbers, in registers of eight: the same bits.
 template <typename Lights>
 [[gnu::target("avx2")]] void contributions_avx2(const Lights* lights, std::size_t blocks,
-                                                const LitPoint& at, float* __restrict result) {
+                                                const ReceiverRegion& at,
+                                                float* __restrict result) {
     contributions(lights, blocks, at, result);
 }
 inline const bool has_avx2 = __builtin_cpu_supports("avx2");
@@ -181,7 +183,8 @@ inline const bool has_avx2 = __builtin_cpu_supports("avx2");
 
 /// The contributions of all lanes of some blocks of lights, to `result` in their order.
 template <typename Lights>
-void contributions(std::span<const Lights> lights, const LitPoint& at, float* __restrict result) {
+void contributions(std::span<const Lights> lights, const ReceiverRegion& at,
+                   float* __restrict result) {
 #if defined(__x86_64__)
     if (light_lanes::has_avx2) {
         light_lanes::contributions_avx2(lights.data(), lights.size(), at, result);
@@ -190,7 +193,8 @@ void contributions(std::span<const Lights> lights, const LitPoint& at, float* __
 #endif
     light_lanes::contributions(lights.data(), lights.size(), at, result);
 }
-inline void contributions(const LightLanes& lights, const LitPoint& at, float* __restrict result) {
+inline void contributions(const LightLanes& lights, const ReceiverRegion& at,
+                          float* __restrict result) {
     contributions(std::span(&lights, 1), at, result);
 }
 

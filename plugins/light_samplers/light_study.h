@@ -18,7 +18,7 @@
 
 namespace lucerna {
 
-/// Of no more lights than these, places choose the best from all of them.
+/// If there are no more lights than these, places choose the best from all of them.
 constexpr std::size_t few_lights = 8192;
 
 /// The lights of a scene: a tree of those that are somewhere, a distribution of those at infinity.
@@ -105,9 +105,9 @@ public:
     /// the points; after `candidates`.
     std::span<const float> means() const { return means_; }
 
-    std::span<const LitPoint> points() const { return lit_; }
+    std::span<const ReceiverRegion> points() const { return lit_; }
     /// Stands for all points.
-    const LitPoint& region() const { return region_; }
+    const ReceiverRegion& region() const { return region_; }
     Rng& rng() { return rng_; }
     /// Irradiance that one sample of a light brings to a point, in units; zero if it is blocked.
     double arriving(std::uint32_t light, std::size_t point);
@@ -148,8 +148,8 @@ private:
     const SceneLights& lights_;
     std::span<const Receiver> points_;
     bool any_normal_;
-    std::vector<LitPoint> lit_;
-    LitPoint region_;
+    std::vector<ReceiverRegion> lit_;
+    ReceiverRegion region_;
     Candidates candidates_;
     std::vector<float> weights_;  ///< of each candidate: contribution at each point
     std::vector<float> means_;
@@ -158,7 +158,7 @@ private:
 
 inline void LightStudy::bound_region(float margin) {
     Vector3 center(0), normal(0);
-    for (const LitPoint& at : lit_) {
+    for (const ReceiverRegion& at : lit_) {
         center += at.p / static_cast<float>(lit_.size());
         normal += at.n;
     }
@@ -166,7 +166,7 @@ inline void LightStudy::bound_region(float margin) {
     const float length = glm::length(normal);
     region_.n = region_.ns = length > 0 ? normal / length : lit_.front().n;
     float radius = 0, cosine = 1;
-    for (const LitPoint& at : lit_) {
+    for (const ReceiverRegion& at : lit_) {
         radius = std::max(radius, glm::length(at.p - center) + at.slack);
         cosine = std::min(cosine, glm::dot(at.n, region_.n));
     }
@@ -237,7 +237,7 @@ inline void LightStudy::choose_from_all(std::size_t count) {
     const std::span<const std::uint32_t> lights = lights_.every.lights();
     std::vector<float> at_point(lights.size());
     means_.assign(lights.size(), 0.0f);
-    for (const LitPoint& at : lit_) {
+    for (const ReceiverRegion& at : lit_) {
         lights_.every.weigh(at, at_point.data());
         for (std::size_t i = 0; i < lights.size(); ++i) means_[i] += at_point[i];
     }
@@ -290,7 +290,7 @@ inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
     const Receiver& at = points_[point];
     const auto sample = light.emitter->sample_li(light, at, u);
     if (!sample || !(sample->pdf > 0)) return 0;
-    const LitPoint& lit = lit_[point];
+    const ReceiverRegion& lit = lit_[point];
     float cosine = glm::dot(sample->wi, lit.ns);
     const float side = glm::dot(sample->wi, lit.n) * cosine;
     if (!(side > 0) || !(lit.two_sided > 0 || cosine > 0)) return 0;

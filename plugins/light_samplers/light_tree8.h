@@ -33,7 +33,8 @@ public:
     class Walk {
     public:
         /// u in [0, 1).
-        Walk(const LitPoint& at, double u, std::uint32_t node = 0) : at_(at), u_(u), place_(node) {}
+        Walk(const ReceiverRegion& at, double u, std::uint32_t node = 0)
+            : at_(at), u_(u), place_(node) {}
 
         /// The light at which it has ended. Empty: no light of the cluster that it met can reach
         /// the point.
@@ -43,14 +44,14 @@ public:
 
     private:
         friend LightTree8;
-        LitPoint at_;
+        ReceiverRegion at_;
         double u_;
         std::uint32_t place_;  ///< the node, at the end the light
         float pmf_ = 1;
     };
 
     LightTree8() = default;
-    /// Of lights whose indices in the scene are below `light_count`.
+    /// Builds over lights whose indices in the scene are below `light_count`.
     LightTree8(LightList lights, std::size_t light_count, const Workers& workers);
 
     bool empty() const { return nodes_.empty(); }
@@ -73,7 +74,7 @@ public:
     }
     /// Draws one of the lights below a node; u in [0, 1). Empty: no light of the cluster that it
     /// met can reach the point.
-    std::optional<Choice> sample(const LitPoint& at, double u, std::uint32_t node = 0) const {
+    std::optional<Choice> sample(const ReceiverRegion& at, double u, std::uint32_t node = 0) const {
         if (nodes_.empty()) return {};
         Walk walk(at, u, node);
         while (step(walk)) {
@@ -81,7 +82,7 @@ public:
         return walk.choice();
     }
     /// The same number that `sample` reports for the light; zero if it is not below the node.
-    float pmf(const LitPoint& at, std::uint32_t light, std::uint32_t node = 0) const;
+    float pmf(const ReceiverRegion& at, std::uint32_t light, std::uint32_t node = 0) const;
     /// Whether the light is in the tree, and its lane in a node.
     bool holds(std::uint32_t light) const { return place_[light] != none; }
     std::pair<const LightLanes*, std::size_t> lane(std::uint32_t light) const {
@@ -204,7 +205,8 @@ inline bool LightTree8::step(Walk& walk) const {
     return walk.pmf_ > 0 && (node.leaves >> chosen & 1) == 0;
 }
 
-inline float LightTree8::pmf(const LitPoint& at, std::uint32_t light, std::uint32_t top) const {
+inline float LightTree8::pmf(const ReceiverRegion& at, std::uint32_t light,
+                             std::uint32_t top) const {
     if (!holds(light)) return 0;
     // The path is known from below; the product is taken from above, as when drawing.
     std::array<std::uint32_t, 80> path;

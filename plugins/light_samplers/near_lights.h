@@ -21,10 +21,10 @@ public:
     NearLights(std::span<const Candidate> kept, const LightTree8& tree, float floor);
 
     std::size_t blocks() const { return flat_.size() + others_.size(); }
-    /// Of each lane; none for empty ones.
+    /// The light of each lane; none for empty ones.
     std::span<const std::uint32_t> lights() const { return lights_; }
     /// Writes the weights of all lanes.
-    void weigh(const LitPoint& at, float* weights) const {
+    void weigh(const ReceiverRegion& at, float* weights) const {
         contributions(std::span<const FlatLanes>(flat_), at, weights);
         contributions(std::span<const LightLanes>(others_), at,
                       weights + LightLanes::width * flat_.size());

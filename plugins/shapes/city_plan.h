@@ -24,7 +24,7 @@ inline double chance(std::uint64_t seed, std::uint64_t number) {
     return uint64_to_double(hash_combine(seed, number));
 }
 
-/// Of the ground, in the plane y = 0.
+/// A rectangle on the ground, in the plane y = 0.
 struct Area {
     double x0, z0, x1, z1;
 

@@ -22,7 +22,7 @@ public:
         const ColorInput& at = input(uv);
         return at.texture ? at.texture->real(uv) : luminance(at.constant);
     }
-    /// Of the colours; the edges between them have none.
+    /// Gradient of the colours; the edges between them have none.
     Vector2 gradient(Vector2 uv) const override {
         const ColorInput& at = input(uv);
         return at.texture ? at.texture->gradient(uv) : Vector2(0);

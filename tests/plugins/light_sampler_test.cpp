@@ -142,7 +142,7 @@ TEST_P(SeenLights, E15_CachePointsAreNeverMuchWorseThanTheTree) {
     const SceneLights lights(scene);
     for (const Receiver& at : seen_points(scene, 300)) {
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            EXPECT_GE(sampler.pmf(at, i), 0.099f * lights.tree.pmf(LitPoint(at), i));
+            EXPECT_GE(sampler.pmf(at, i), 0.099f * lights.tree.pmf(ReceiverRegion(at), i));
         }
     }
 }
@@ -177,7 +177,7 @@ TEST(LightLanes, AreZeroOnlyWhereNothingCanArrive) {
         LightLanes lanes;
         lanes.set(3, cluster, -1);
         float result[LightLanes::width];
-        contributions(lanes, LitPoint(Receiver{.n = {0, 0, 1}, .ns = {0, 0, 1}, .sides = sides}),
+        contributions(lanes, ReceiverRegion(Receiver{.n = {0, 0, 1}, .ns = {0, 0, 1}, .sides = sides}),
                       result);
         return result[3];
     };

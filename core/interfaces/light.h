@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Lights, and the light that leaves or arrives from them. World space; densities are per solid
+/// angle [1/sr] unless named otherwise.
+#pragma once
+
+#include "core/interfaces/interaction.h"
+
+namespace lucerna {
+
+class Emitter;
+
+/// One light of the scene: an emitter on one primitive of a shape, or an emitter without shape.
+/// A mesh that emits is as many lights as it has triangles.
+struct Light {
+    const Emitter* emitter = nullptr;
+    const Shape* shape = nullptr;  ///< null for point, spot, directional, environment
+    std::uint32_t primitive = 0;   ///< of the shape, or of the emitter if there is none
+};
+
+/// Light that arrives at a receiver from one sampled point or direction.
+struct LightSample {
+    Vector3 wi{0};         ///< from the receiver to the light
+    float distance = 0;    ///< infinity for lights at infinity
+    Color radiance{0};     ///< [W/(m² sr)]; irradiance if `delta` [W/m²]
+    float pdf = 0;         ///< [1/sr]; 1 if `delta`
+    bool delta = false;    ///< cannot be hit by chance
+    Vector3 p{0};          ///< point on the light, if the distance is finite
+    Vector3 n{0};          ///< its normal, zero if it has none
+    float error = 0;       ///< of p
+    PrimitiveId target{};  ///< what p lies on; does not block the light
+};
+
+/// A particle that leaves a light.
+struct EmissionSample {
+    Ray ray;
+    Color power{0};          ///< Le |cos θ| / (pdf_position · pdf_direction): the flux it carries
+    float pdf_position = 0;  ///< [1/m²]; 1 for a point
+    float pdf_direction = 0;  ///< [1/sr]; 1 for a single direction
+};
+
+}  // namespace lucerna
