@@ -457,6 +457,14 @@ std::vector<const Object*> Params::remaining_children(std::string_view kind, Ran
                             result.size()));
 }
 
+std::vector<std::string> Params::child_names(std::string_view kind) const {
+    std::vector<std::string> names;
+    for (const Child& child : element_.children) {
+        if (child.element->kind == kind) names.push_back(child.name);
+    }
+    return names;
+}
+
 void Params::report_unused(bool stopped,
                            const std::function<std::vector<ParameterInfo>()>& accepted) const {
     std::vector<std::pair<std::string, Location>> unused;

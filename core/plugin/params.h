@@ -127,6 +127,10 @@ public:
         return result;
     }
 
+    /// The names of the nested objects of a kind, in the order of the scene; empty for those
+    /// without. Does not declare them.
+    std::vector<std::string> child_names(std::string_view kind) const;
+
     /// True if the scene gives this parameter. Does not declare it.
     bool has(std::string_view name) const;
     /// True if the scene gives this parameter as a string that is not a number: for those that are
