@@ -72,6 +72,8 @@ public:
     /// A position, in double: it may be far from the origin.
     Vector3d point(std::string_view name, Vector3d default_value, std::string_view doc) const;
     Vector3 vector(std::string_view name, Vector3 default_value, std::string_view doc) const;
+    /// A vector, or one number that stands for three; no colours, which may be converted. Required.
+    Vector3 numbers(std::string_view name, std::string_view doc) const;
     /// Three numbers, a grey value, or a spectrum; the range holds for each channel.
     Color rgb(std::string_view name, Color default_value, Range range, std::string_view doc) const;
     Transform transform(std::string_view name, std::string_view doc) const;
