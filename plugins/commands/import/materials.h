@@ -40,7 +40,7 @@ public:
             text_.number("opacity", static_cast<double>(look.opacity));
             remark("opacity by a mask");
         }
-        const std::optional<std::string> normals = texture(material, aiTextureType_NORMALS);
+        const std::optional<Picture> normals = texture(material, aiTextureType_NORMALS);
         const bool sided = look.two_sided && !look.transmits();
         if (sided) open("twosided");
         if (normals) {
@@ -65,7 +65,7 @@ public:
         color = color * strength;
         if (color.IsBlack()) return;
         text_.open(R"(emitter type="area")");
-        const std::optional<std::string> picture = texture(material, aiTextureType_EMISSIVE);
+        const std::optional<Picture> picture = texture(material, aiTextureType_EMISSIVE);
         if (picture && color == aiColor3D(1, 1, 1)) {
             bitmap("radiance", *picture, false);
         } else {
@@ -84,6 +84,24 @@ public:
     }
 
 private:
+    /// A file, and where texture coordinates (v downwards) lie in it.
+    struct Picture {
+        std::string file;
+        bool placed = false;
+        aiVector2D along_u{1, 0}, along_v{0, 1}, offset{0, 0};
+
+        /// glTF scales, turns counter-clockwise around (0, 0) and moves (KHR_texture_transform).
+        /// assimp turns around the middle instead, with v upwards, and moves so that both agree.
+        void place(const aiUVTransform& t) {
+            placed = true;
+            const float c = std::cos(-t.mRotation), s = std::sin(-t.mRotation);
+            along_u = {c * t.mScaling.x, -s * t.mScaling.x};
+            along_v = {s * t.mScaling.y, c * t.mScaling.y};
+            offset = {t.mTranslation.x - 0.5f * t.mScaling.x * (1 - c + s),
+                      0.5f * t.mScaling.y * (s + c - 1) + 1 - t.mScaling.y - t.mTranslation.y};
+        }
+    };
+
     /// What a material says about itself.
     struct Look {
         aiColor3D color{0.8f, 0.8f, 0.8f}, specular{0, 0, 0};
@@ -170,7 +188,7 @@ private:
     /// A number, or the channel of a picture if its factor is 1.
     void number(const char* name, const aiMaterial& material, aiTextureType type,
                 const char* channel, float factor) {
-        const std::optional<std::string> picture = texture(material, type);
+        const std::optional<Picture> picture = texture(material, type);
         if (!picture) return text_.number(name, static_cast<double>(factor));
         if (factor != 1) remark(std::string(name) + " by the picture without its factor");
         bitmap(name, *picture, true, channel);
@@ -185,7 +203,7 @@ private:
 
     /// A colour, or the picture in its place.
     void color(const char* name, const aiMaterial& material, aiColor3D value) {
-        std::optional<std::string> picture = texture(material, aiTextureType_BASE_COLOR);
+        std::optional<Picture> picture = texture(material, aiTextureType_BASE_COLOR);
         if (!picture) picture = texture(material, aiTextureType_DIFFUSE);
         if (picture) {
             bitmap(name, *picture, false);
@@ -200,19 +218,27 @@ private:
     }
 
     /// `raw`: numbers, not colours.
-    void bitmap(const std::string& name, const std::string& picture, bool raw,
+    void bitmap(const std::string& name, const Picture& picture, bool raw,
                 const std::string& channel = "") {
         text_.open(R"(texture type="bitmap" name=")" + name + "\"");
-        text_.string("filename", picture);
+        text_.string("filename", picture.file);
+        if (picture.placed) text_.uv_matrix(picture.along_u, picture.along_v, picture.offset);
         if (raw) text_.empty(R"(boolean name="raw" value="true")");
         if (!channel.empty()) text_.string("channel", channel);
         text_.close("texture");
     }
 
-    std::optional<std::string> texture(const aiMaterial& material, aiTextureType type) const {
+    std::optional<Picture> texture(const aiMaterial& material, aiTextureType type) const {
         aiString path;
         if (material.GetTexture(type, 0, &path) != aiReturn_SUCCESS) return {};
-        return find_picture_(path.C_Str());
+        const std::optional<std::string> file = find_picture_(path.C_Str());
+        if (!file) return {};
+        Picture picture{.file = *file};
+        aiUVTransform placed;
+        if (material.Get(AI_MATKEY_UVTRANSFORM(type, 0), placed) == aiReturn_SUCCESS) {
+            picture.place(placed);
+        }
+        return picture;
     }
 
     void drop_textures(const aiMaterial& material) const {
