@@ -18,6 +18,8 @@ public:
     virtual float real(Vector2 uv) const = 0;
     /// ∂real/∂u and ∂real/∂v. Central differences unless overridden.
     virtual Vector2 gradient(Vector2 uv) const;
+    /// Width over height of the picture; 1 if it is none.
+    virtual float aspect() const { return 1; }
     /// Average over the unit square, for power and albedo estimates.
     virtual Color mean() const = 0;
     /// Largest value of any channel, for bounds.

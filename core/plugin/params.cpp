@@ -273,6 +273,24 @@ Vector3 Params::vector(std::string_view name, Vector3 default_value, std::string
     return Vector3(triple(name, Vector3d(default_value)));
 }
 
+Vector3 Params::numbers(std::string_view name, std::string_view doc) const {
+    declare(name, "vector or float", "", any_value, doc);
+    const Property* property = find(name);
+    if (!property) {
+        if (!context_.describing()) {
+            error(name, fmt::format("{} \"{}\" needs \"{}\", a vector or a float", element_.kind,
+                                    element_.type, name));
+        }
+        return Vector3(0);
+    }
+    const auto* text = std::get_if<UntypedText>(&property->value);
+    const bool one = std::holds_alternative<double>(property->value) ||
+                     std::holds_alternative<std::int64_t>(property->value) ||
+                     (text && !is_word(name));
+    return one ? Vector3(static_cast<float>(number(*property, 0, any_value)))
+               : Vector3(triple(name, Vector3d(0)));
+}
+
 ColorD Params::color(const Property& property, ColorD default_value, Range range) const {
     if (std::holds_alternative<double>(property.value) ||
         std::holds_alternative<std::int64_t>(property.value)) {
@@ -455,6 +473,14 @@ std::vector<const Object*> Params::remaining_children(std::string_view kind, Ran
     throw Error(fmt::format("{} \"{}\" needs nested {}s: {}, but there {} {}", element_.kind,
                             element_.type, kind, wanted, result.size() == 1 ? "is" : "are",
                             result.size()));
+}
+
+std::vector<std::string> Params::child_names(std::string_view kind) const {
+    std::vector<std::string> names;
+    for (const Child& child : element_.children) {
+        if (child.element->kind == kind) names.push_back(child.name);
+    }
+    return names;
 }
 
 void Params::report_unused(bool stopped,

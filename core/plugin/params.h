@@ -72,6 +72,8 @@ public:
     /// A position, in double: it may be far from the origin.
     Vector3d point(std::string_view name, Vector3d default_value, std::string_view doc) const;
     Vector3 vector(std::string_view name, Vector3 default_value, std::string_view doc) const;
+    /// A vector, or one number that stands for three; no colours, which may be converted. Required.
+    Vector3 numbers(std::string_view name, std::string_view doc) const;
     /// Three numbers, a grey value, or a spectrum; the range holds for each channel.
     Color rgb(std::string_view name, Color default_value, Range range, std::string_view doc) const;
     Transform transform(std::string_view name, std::string_view doc) const;
@@ -126,6 +128,10 @@ public:
         }
         return result;
     }
+
+    /// The names of the nested objects of a kind, in the order of the scene; empty for those
+    /// without. Does not declare them.
+    std::vector<std::string> child_names(std::string_view kind) const;
 
     /// True if the scene gives this parameter. Does not declare it.
     bool has(std::string_view name) const;

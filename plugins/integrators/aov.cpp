@@ -3,8 +3,9 @@
 ///
 /// Depth is the distance from the lens along the ray, whatever the near clip plane.
 ///
-/// `aovs` is a list of name:kind, as in Mitsuba: "albedo:albedo,nn:sh_normal,dist:depth". A nested
-/// integrator makes the image itself; without one it shows the first layer.
+/// `aovs` is a list of name:kind, as in Mitsuba: "albedo:albedo,nn:sh_normal,dist:depth". It makes
+/// the channels albedo.R, albedo.G, albedo.B, nn.X, …, dist.T. A nested integrator makes the image
+/// itself; without one it shows the first layer.
 #include "core/interfaces/bsdf.h"
 #include "core/scene/scene.h"
 
@@ -30,14 +31,14 @@ enum class Aov : std::uint8_t {
 struct AovKind {
     std::string_view name;
     Aov aov;
-    std::string_view suffixes;  ///< one letter for each channel; none: a single channel
+    std::string_view suffixes;  ///< one letter for each channel, as in Mitsuba
 };
 
 constexpr std::array aov_kinds{
-    AovKind{"albedo", Aov::albedo, "RGB"},         AovKind{"depth", Aov::depth, ""},
+    AovKind{"albedo", Aov::albedo, "RGB"},         AovKind{"depth", Aov::depth, "T"},
     AovKind{"position", Aov::position, "XYZ"},     AovKind{"uv", Aov::uv, "UV"},
     AovKind{"geo_normal", Aov::geo_normal, "XYZ"}, AovKind{"sh_normal", Aov::sh_normal, "XYZ"},
-    AovKind{"prim_index", Aov::prim_index, ""},    AovKind{"shape_index", Aov::shape_index, ""},
+    AovKind{"prim_index", Aov::prim_index, "I"},   AovKind{"shape_index", Aov::shape_index, "I"},
 };
 
 class AovIntegrator final : public SamplingIntegrator {
@@ -72,7 +73,6 @@ public:
     std::vector<std::string> layers() const override {
         std::vector<std::string> names = image_ ? image_->layers() : std::vector<std::string>();
         for (const Layer& layer : layers_) {
-            if (layer.kind->suffixes.empty()) names.push_back(layer.name);
             for (const char suffix : layer.kind->suffixes) {
                 names.push_back(layer.name + "." + suffix);
             }
@@ -169,8 +169,7 @@ void AovIntegrator::fill_layers(const Scene& scene, CameraSample& sample) const 
     for (const Layer& layer : layers_) {
         const Vector3 v = value(*at, -ray.d, layer.kind->aov);
         if (!image_ && &layer == layers_.data()) result.radiance = v;
-        const std::size_t channels = std::max<std::size_t>(1, layer.kind->suffixes.size());
-        for (std::size_t c = 0; c < channels; ++c) {
+        for (std::size_t c = 0; c < layer.kind->suffixes.size(); ++c) {
             layers[next++] = v[static_cast<Vector3::length_type>(c)];
         }
     }

@@ -145,6 +145,9 @@ public:
         return to_uv_.pull_back(by_texel * size);
     }
 
+    float aspect() const override {
+        return static_cast<float>(texels_.width()) / static_cast<float>(texels_.height());
+    }
     Color mean() const override { return mean_; }
     float max() const override { return max_; }
 

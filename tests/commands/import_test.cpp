@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `lucerna import`: a model of each format makes the same picture as the scene that one would
 /// write by hand.
+#include "core/image/png.h"
 #include "core/interfaces/command.h"
 #include "tests/commands/process.h"
 
@@ -110,22 +111,31 @@ std::string gltf_buffer() {
     return bytes;
 }
 
-/// A square of the half size `s` that faces up, and what stands in it.
-std::string square(double s, const std::string& steps, const std::string& inside) {
+/// A square of the half size `s` that faces up, and the BSDF of one side or of both.
+std::string square(double s, const std::string& steps, const std::string& bsdf,
+                   bool two_sided = true) {
     return fmt::format(
         "<shape type='rectangle'><transform name='to_world'>"
-        "<rotate x='1' angle='-90'/><scale value='{}'/>{}</transform>"
-        "<bsdf type='twosided'>{}</bsdf></shape>",
-        s, steps, inside);
+        "<rotate x='1' angle='-90'/><scale value='{}'/>{}</transform>{}</shape>",
+        s, steps, two_sided ? "<bsdf type='twosided'>" + bsdf + "</bsdf>" : bsdf);
 }
 const char* const matte =
     "<bsdf type='diffuse'><rgb name='reflectance' value='0.5, 0.4, 0.3'/></bsdf>";
+
+std::string principled(const char* color, double roughness, double metallic) {
+    return fmt::format(
+        "<bsdf type='principled'><rgb name='base_color' value='{}'/>"
+        "<float name='roughness' value='{}'/><float name='metallic' value='{}'/></bsdf>",
+        color, roughness, metallic);
+}
 
 std::string eye(const std::string& fov) {
     return "<sensor type='perspective'>" + fov +
            "<transform name='to_world'><lookat origin='0, 1.5, 6' target='0, 1.5, 0' "
            "up='0, 1, 0'/></transform><film type='hdrfilm'/><sampler type='sobol'/></sensor>";
 }
+const char* const gltf_view =
+    "<float name='fov' value='34.377468'/><string name='fov_axis' value='y'/>";
 const char* const lamp =
     "<emitter type='point'><point name='position' x='-1' y='3' z='1'/>"
     "<rgb name='intensity' value='20, 18, 16'/></emitter>";
@@ -199,6 +209,9 @@ TEST_F(Import, collada_with_its_camera_light_and_transforms) {
     expect_words(run({"import", "model.dae"}),
                  {"converted     camera    eye_node", "converted     light     lamp_node",
                   "converted     material  ground", "converted     mesh      plane"});
+    // The floor and the step are one mesh, placed twice.
+    expect_words(read_whole(folder / "model.xml"),
+                 {"<shape type=\"shapegroup\" id=\"plane_group\">", "<shape type=\"instance\">"});
     expect_same_picture(eye("<float name='fov' value='50'/>") + square(2, "", matte) +
                         square(1, "<rotate z='1' angle='20'/><translate x='0.5' y='0.5'/>", matte) +
                         lamp);
@@ -207,21 +220,106 @@ TEST_F(Import, collada_with_its_camera_light_and_transforms) {
 TEST_F(Import, gltf_with_its_camera_light_and_materials) {
     write("model.gltf", gltf_model);
     write("model.bin", gltf_buffer());
-    expect_words(run({"import", "model.gltf"}), {"camera", "light", "approximated  material  paint",
-                                                 "approximated  material  steel"});
-    const std::string paint =
-        "<bsdf type='roughplastic'><string name='distribution' value='ggx'/>"
-        "<float name='alpha' value='0.36'/>"
-        "<rgb name='diffuse_reflectance' value='0.5, 0.4, 0.3'/></bsdf>";
-    const std::string steel =
-        "<bsdf type='roughconductor'><string name='distribution' value='ggx'/>"
-        "<float name='alpha' value='0.49'/>"
-        "<rgb name='specular_reflectance' value='0.6, 0.6, 0.7'/></bsdf>";
+    expect_words(run({"import", "model.gltf"}), {"camera", "light", "converted     material  paint",
+                                                 "converted     material  steel"});
     // The picture has its aspect from --resolution; glTF gives the vertical field of view.
-    expect_same_picture(eye("<float name='fov' value='34.377468'/>"
-                            "<string name='fov_axis' value='y'/>") +
-                        square(2, "", paint) + square(1, "<translate x='0.5' y='0.5'/>", steel) +
-                        lamp);
+    expect_same_picture(
+        eye(gltf_view) + square(2, "", principled("0.5, 0.4, 0.3", 0.6, 0)) +
+        square(1, "<translate x='0.5' y='0.5'/>", principled("0.6, 0.6, 0.7", 0.7, 1)) + lamp);
+}
+
+TEST_F(Import, gltf_pictures_of_roughness_metal_and_normals) {
+    std::string text = gltf_model;
+    const auto replace = [&](const std::string& from, const std::string& to) {
+        ASSERT_NE(text.find(from), std::string::npos);
+        text.replace(text.find(from), from.size(), to);
+    };
+    replace(R"(["KHR_lights_punctual"])",
+            R"(["KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_transmission"])");
+    replace("\"materials\":",
+            R"("textures": [{"source": 0}, {"source": 1}],
+               "images": [{"uri": "parts.png"}, {"uri": "normals.png"}], "materials":)");
+    replace(R"("metallicFactor": 0, "roughnessFactor": 0.6})",
+            R"("metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 1},
+               "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5,
+                              "clearcoatRoughnessFactor": 0.2}})");
+    replace(R"("metallicFactor": 1, "roughnessFactor": 0.7})",
+            R"("metallicFactor": 0, "roughnessFactor": 0.3},
+               "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.75}})");
+    write("model.gltf", text);
+    write("model.bin", gltf_buffer());
+    write_png(folder / "parts.png",
+              {.width = 1, .height = 1, .pixels = {0, 102, 51}});  // roughness 0.4, metal 0.2
+    write_png(folder / "normals.png", {.width = 1, .height = 1, .pixels = {168, 128, 238}});
+    expect_words(run({"import", "model.gltf"}), {"the clear coat is a quarter as strong"});
+    const std::string paint =
+        "<bsdf type='normalmap'><texture type='bitmap' name='normalmap'>"
+        "<string name='filename' value='normals.png'/><boolean name='raw' value='true'/></texture>"
+        "<bsdf type='principled'><rgb name='base_color' value='0.5, 0.4, 0.3'/>"
+        "<float name='roughness' value='0.4'/><float name='metallic' value='0.2'/>"
+        "<float name='clearcoat' value='0.5'/>"
+        "<float name='clearcoat_gloss' value='0.60606061'/></bsdf></bsdf>";
+    const std::string glass =
+        "<bsdf type='principled'><rgb name='base_color' value='0.6, 0.6, 0.7'/>"
+        "<float name='roughness' value='0.3'/><float name='spec_trans' value='0.75'/></bsdf>";
+    // The tangents of a mesh without texture coordinates are its own.
+    const std::string floor =
+        "<shape type='ply'><string name='filename' value='model_files/plane.ply'/>"
+        "<transform name='to_world'><scale x='2' z='2'/></transform>"
+        "<bsdf type='twosided'>" +
+        paint + "</bsdf></shape>";
+    expect_same_picture(eye(gltf_view) + floor +
+                        square(1, "<translate x='0.5' y='0.5'/>", glass, false) + lamp);
+}
+
+TEST_F(Import, gltf_pictures_lie_where_their_transform_puts_them) {
+    // Eight texels in a row, green between 3/8 and 7/8; the rest is red.
+    Image8 row{.width = 8, .height = 1, .pixels = {}};
+    for (int i = 0; i < 8; ++i) {
+        const bool green = i >= 3 && i <= 6;
+        for (const int v : {green ? 0 : 255, green ? 255 : 0, 0}) {
+            row.pixels.push_back(static_cast<std::uint8_t>(v));
+        }
+    }
+    write_png(folder / "row.png", row);
+    std::string buffer = gltf_buffer();
+    for (const float x : {0.f, 0.f, 0.f, 1.f, 1.f, 1.f, 1.f, 0.f}) {
+        const auto bits = std::bit_cast<std::uint32_t>(x);
+        for (int i = 0; i < 4; ++i) buffer += static_cast<char>(bits >> (8 * i) & 255);
+    }
+    write("model.bin", buffer);
+    // Both show the part from u = 1/2 to 3/4 only; the second turns v into u.
+    for (const char* transform :
+         {R"("scale": [0.25, 1], "offset": [0.5, 0])",
+          R"("scale": [1, 0.25], "rotation": 1.5707963267948966, "offset": [0.5, 0])"}) {
+        SCOPED_TRACE(transform);
+        std::string text = gltf_model;
+        const auto replace = [&](const std::string& from, const std::string& to) {
+            ASSERT_NE(text.find(from), std::string::npos);
+            text.replace(text.find(from), from.size(), to);
+        };
+        replace(R"(["KHR_lights_punctual"])",
+                R"(["KHR_lights_punctual", "KHR_texture_transform"])");
+        replace("\"materials\":",
+                R"("textures": [{"source": 0}], "images": [{"uri": "row.png"}], "materials":)");
+        replace(R"("baseColorFactor": [0.5, 0.4, 0.3, 1],)",
+                fmt::format(R"("baseColorTexture": {{"index": 0, "extensions":
+                    {{"KHR_texture_transform": {{{}}}}}}},)",
+                            transform));
+        replace(R"({"POSITION": 0}, "indices": 1,
+   "material": 0})",
+                R"({"POSITION": 0, "TEXCOORD_0": 2}, "indices": 1, "material": 0})");
+        replace(R"("type": "SCALAR"})", R"("type": "SCALAR"},
+            {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"})");
+        replace(R"("byteLength": 12})", R"("byteLength": 12},
+            {"buffer": 0, "byteOffset": 60, "byteLength": 32})");
+        replace(R"("byteLength": 60)", R"("byteLength": 92)");
+        write("model.gltf", text);
+        run({"import", "model.gltf", "--force"});
+        expect_same_picture(
+            eye(gltf_view) + square(2, "", principled("0, 1, 0", 0.6, 0)) +
+            square(1, "<translate x='0.5' y='0.5'/>", principled("0.6, 0.6, 0.7", 0.7, 1)) + lamp);
+    }
 }
 
 TEST_F(Import, tells_what_it_drops) {

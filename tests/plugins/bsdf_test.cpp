@@ -12,6 +12,7 @@
 #include "tests/statistics.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include <array>
 #include <map>
@@ -76,6 +77,40 @@ const std::map<std::string, std::string> bodies = {
     {"twosided", bsdf("diffuse")},
 };
 
+/// Disney's materials, no brighter than the furnace allows.
+std::vector<std::string> disney_variants() {
+    const auto colour = [](const char* value) {
+        return fmt::format("<rgb name='base_color' value='{}'/>", value);
+    };
+    const std::string red = colour("0.5 0.2 0.1");
+    std::vector<std::string> all;
+    for (const double roughness : {0.0, 0.2, 0.6, 1.0}) {
+        const std::string rough = number("roughness", roughness);
+        const std::string glass = rough + number("spec_trans", 0.8);
+        all.push_back(bsdf("principled", rough + number("metallic", 1) + white("base_color")));
+        all.push_back(bsdf("principled", glass + red + number("eta", 1.33)));
+        all.push_back(
+            bsdf("principled", glass + red + number("spec_tint", 0.7) + number("metallic", 0.3)));
+        all.push_back(bsdf("principledthin", glass + number("diff_trans", 0.8)));
+        all.push_back(bsdf("principledthin", glass + red + number("spec_tint", 0.5)));
+    }
+    const std::string brushed = number("anisotropic", 0.8) + number("roughness", 0.4);
+    all.push_back(bsdf("principled", brushed + number("spec_trans", 1) + number("eta", 0.7)));
+    all.push_back(bsdf("principled", brushed + number("spec_trans", 1) + number("eta", 1)));
+    all.push_back(bsdf("principled", brushed + number("clearcoat", 1) + red));
+    all.push_back(bsdf("principled", number("clearcoat", 1) + number("clearcoat_gloss", 1)));
+    all.push_back(bsdf("principled", number("flatness", 0.7) + number("specular", 0)));
+    all.push_back(bsdf("principled", number("sheen", 0.5) + number("sheen_tint", 1) +
+                                         number("spec_trans", 0.3) + red));
+    all.push_back(bsdf("principled", image("grey.png", "metallic") +
+                                         image("grey.png", "spec_trans") +
+                                         image("grey.png", "roughness")));
+    all.push_back(bsdf("principledthin", brushed + number("spec_trans", 1) + white("base_color")));
+    all.push_back(bsdf("principledthin", number("diff_trans", 2) + white("base_color")));
+    all.push_back(bsdf("principledthin", number("sheen", 0.5) + number("flatness", 1)));
+    return all;
+}
+
 /// Parameters that are hard.
 std::vector<std::string> variants() {
     std::vector<std::string> all;
@@ -120,6 +155,7 @@ std::vector<std::string> variants() {
     }
     all.push_back(bsdf("bumpmap", image("slope.png") + number("scale", -3) +
                                       bsdf("normalmap", image("tilted.png") + bsdf("plastic"))));
+    for (const std::string& xml : disney_variants()) all.push_back(xml);
     return all;
 }
 
@@ -395,6 +431,7 @@ TEST_F(BSDFs, D2_white_furnace_gains_no_energy) {
 }
 
 TEST_F(BSDFs, D9_O13_lossless_surfaces_keep_all_energy) {
+    const std::string smooth = number("roughness", 0);
     const std::string lossless[] = {
         bsdf("dielectric"),
         bsdf("dielectric", ior(1.5)),
@@ -404,6 +441,9 @@ TEST_F(BSDFs, D9_O13_lossless_surfaces_keep_all_energy) {
         bsdf("null"),
         bsdf("mask", number("opacity", 0.4) + bsdf("dielectric")),
         bsdf("roughdielectric", number("alpha", 5e-4)),
+        bsdf("principled", smooth + number("spec_trans", 1) + white("base_color")),
+        bsdf("twosided", bsdf("principled", smooth + number("metallic", 1) + white("base_color"))),
+        bsdf("principledthin", smooth + number("spec_trans", 1) + white("base_color")),
         bsdf("twosided", bsdf("conductor", word("material", "none"))),
         bsdf("twosided", bsdf("diffuse", white("reflectance"))),
         bsdf("twosided", bsdf("plastic", ior(1.5) + white("diffuse_reflectance"))),
@@ -697,6 +737,60 @@ TEST_F(BSDFs, D20_two_sided_glass_is_refused) {
     EXPECT_NE(refusal(bsdf("twosided", bsdf("diffuse") + bsdf("mask", bsdf("diffuse")))), "");
     EXPECT_NE(refusal(bsdf("twosided")), "");
     EXPECT_NE(refusal(bsdf("blendbsdf", bsdf("diffuse"))), "");
+}
+
+/// f of a viewer at cos θo and of light at cos θi from the normal, on opposite sides of it.
+Color across(const BSDF& bsdf, float cos_theta, float cos_i) {
+    return bsdf.evaluate(surface(), direction(cos_theta, 0), direction(cos_i, pi), modes[0]).f;
+}
+
+TEST_F(BSDFs, principled_is_the_sum_of_its_published_lobes) {
+    const auto value = [](const std::string& type, const std::string& body, float o,
+                          float i) -> double {
+        return across(*workshop->make(bsdf(type, number("roughness", 0.5) + body)), o, i).y;
+    };
+    const auto close_to = [](double expected) { return testing::DoubleNear(expected, 1e-5); };
+    // At the normal D = 1 / (π α²) with α = 0.25, and the reflectance is 0.04.
+    const double highlight = 0.04 / (4 * pi * 0.0625), matte = 0.5 / pi;
+    EXPECT_THAT(value("principled", "", 1, 1), close_to(matte + highlight));
+    EXPECT_THAT(value("principled", number("metallic", 1), 1, 1), close_to(0.5 / (pi / 4)));
+    EXPECT_THAT(value("principled", number("metallic", 0.25), 1, 1),
+                close_to(0.75 * (matte + highlight) + 0.25 * 0.5 / (pi / 4)));
+    // The coat: Schlick(0.04) / 4 times GTR1 with α = 0.1.
+    const double gtr1 = (0.01 - 1) / (pi * std::log(0.01) * 0.01);
+    EXPECT_THAT(value("principled", number("clearcoat", 1), 1, 1),
+                close_to(matte + highlight + 0.25 * 0.04 * gtr1));
+    // Sheen: (1 − cos θd)⁵ at 60° from the half vector.
+    EXPECT_THAT(
+        value("principled", number("sheen", 1), 0.5f, 0.5f) - value("principled", "", 0.5f, 0.5f),
+        close_to(std::pow(0.5, 5)));
+    // Scattering below the surface: at the normal 1.25 (1 / (1 + 1) − ½ + ½) of the matte lobe.
+    EXPECT_THAT(value("principled", number("flatness", 1), 1, 1),
+                close_to(1.25 * 0.5 * matte + highlight));
+    // Through a sheet: α' = (0.65 η − 0.35)² 0.25.
+    const double alpha = sqr(0.65 * 1.5 - 0.35) * 0.25;
+    EXPECT_THAT(value("principledthin", number("spec_trans", 1), 1, -1),
+                close_to(0.5 * 0.96 / (4 * pi * alpha * alpha)));
+    EXPECT_THAT(value("principledthin", number("diff_trans", 0.5), 1, -1), close_to(0.25 * matte));
+    EXPECT_THAT(value("principledthin", number("diff_trans", 0.5), 1, 1), close_to(0.75 * matte));
+}
+
+TEST_F(BSDFs, principled_index_is_given_once_and_refracts) {
+    const std::string glass = number("spec_trans", 1);
+    const std::string message =
+        refusal(bsdf("principled", number("eta", 1.5) + number("specular", 0.5)));
+    EXPECT_NE(message.find("either \"eta\" or \"specular\""), std::string::npos) << message;
+    EXPECT_NE(refusal(bsdf("principled", number("base_color", 1.5))), "");
+    EXPECT_NE(refusal(bsdf("principled", number("main_specular_sampling_rate", 0))), "");
+    EXPECT_NE(refusal(bsdf("twosided", bsdf("principled", glass))), "");
+    // specular = ((η − 1) / (η + 1))² / 0.08.
+    const BSDF& by_eta = *workshop->make(bsdf("principled", number("eta", 1.6) + glass));
+    const BSDF& by_specular =
+        *workshop->make(bsdf("principled", number("specular", sqr(0.6 / 2.6) / 0.08) + glass));
+    const Vector3 wo = direction(0.8f, 1), wi = direction(-0.9f, 4);
+    const BSDFValue a = by_eta.evaluate(surface(), wo, wi, modes[0]);
+    EXPECT_GT(a.f.y, 0);
+    EXPECT_TRUE(close(a.f, by_specular.evaluate(surface(), wo, wi, modes[0]).f, 1e-4f));
 }
 
 TEST_F(BSDFs, materials_are_known_by_name) {

@@ -279,13 +279,16 @@ TEST_F(Emitters, SampledDensityIsTheEvaluatedOne) {
 
 TEST_F(Emitters, EmissionCarriesThePowerOfTheBounds) {
     const std::string spot = emitter("spot", number("cutoff_angle", 50));
+    const std::string wide = number("fov", 100) + "<texture name='irradiance' type='bitmap'>" +
+                             word("filename", "half.png") + "</texture>";
     for (const std::string& xml :
          {shape("sphere", glow), shape("cube", glow + to_world("<scale x='3'/>")),
           shape("disk", emitter("area", rgb("radiance", "1 2 3"))),
           shape("rectangle", emitter("area", "<texture name='radiance' type='bitmap'>" +
                                                  word("filename", "half.png") + "</texture>")),
-          ball + emitter("point"), ball + spot, ball + emitter("directional"),
-          ball + emitter("constant"), ball + emitter("envmap", word("filename", "noise.exr"))}) {
+          ball + emitter("point"), ball + spot, ball + emitter("projector", wide),
+          ball + emitter("directional"), ball + emitter("constant"),
+          ball + emitter("envmap", word("filename", "noise.exr"))}) {
         SCOPED_TRACE(xml);
         const Scene& s = scene(xml);
         double power = 0;
@@ -351,6 +354,7 @@ TEST_F(Emitters, EmissionStaysInsideTheBounds) {
          {shape("sphere", glow), shape("cube", glow + to_world("<rotate x='1' angle='20'/>")),
           shape("cylinder", glow), ball + emitter("point"),
           ball + emitter("spot", to_world("<lookat origin='1 2 3' target='0 0 1'/>")),
+          ball + emitter("projector", to_world("<lookat origin='1 2 3' target='0 0 1'/>")),
           ball + emitter("spot", number("cutoff_angle", 120) + number("beam_width", 100))}) {
         SCOPED_TRACE(xml);
         const Scene& s = scene(xml);
@@ -507,6 +511,48 @@ TEST_F(Emitters, SpotProjectsTheUpperLeftOfItsTextureToNegativeXAndY) {
         for (const float y : {-0.5f, 0.5f}) {
             const auto li = light.emitter->sample_li(light, receiver({x, y, 5}, {0, 0, -1}), {});
             EXPECT_EQ(li.has_value(), x < 0 && y < 0) << x << " " << y;
+        }
+    }
+}
+
+TEST_F(Emitters, ProjectorLightsAPlaneEvenly) {
+    const std::string wide = "<texture name='irradiance' type='bitmap'>" +
+                             word("filename", "half.png") + word("filter_type", "nearest") +
+                             "</texture>" + number("scale", 2) + number("fov", 90);
+    const Scene& s = scene(ball + emitter("projector", wide));
+    const Light& light = s.lights()[0];
+    // At z = 3 the picture is 6 wide and 3 high; its left half, at +x, is white.
+    for (const auto& [x, y, inside] : {std::tuple{0.1f, 0.1f, true},
+                                       {2.9f, 1.4f, true},
+                                       {2.9f, -1.4f, true},
+                                       {0.1f, 1.6f, false},
+                                       {3.1f, 0.0f, false},
+                                       {-0.1f, 0.0f, false},
+                                       {-2.9f, 1.4f, false}}) {
+        SCOPED_TRACE(fmt::format("{} {}", x, y));
+        const auto li = light.emitter->sample_li(light, receiver({x, y, 3}, {0, 0, -1}), {});
+        ASSERT_EQ(li.has_value(), inside);
+        if (!inside) continue;
+        EXPECT_NEAR(li->radiance.x * -li->wi.z, 2 * pi / 9, 1e-5f);
+    }
+    // Behind it is nothing; the flux is π scale · area · mean.
+    EXPECT_FALSE(light.emitter->sample_li(light, receiver({1, 0, -3}, {0, 0, 1}), {}));
+    EXPECT_NEAR(light.emitter->bounds(light).power, 2 * pi_d * 2 * 1 * 0.5, 1e-5);
+    EXPECT_NE(refusal(emitter("projector", number("fov", 180))), "");
+    EXPECT_NE(refusal(emitter("projector", number("fov", 30) + word("focal_length", "50mm"))), "");
+}
+
+TEST_F(Emitters, ProjectorShowsItsPictureUpright) {
+    const Scene& s =
+        scene(ball +
+              emitter("projector", number("fov", 90) + "<texture name='irradiance' type='bitmap'>" +
+                                       word("filename", "upper_left.png") +
+                                       word("filter_type", "nearest") + "</texture>"));
+    const Light& light = s.lights()[0];
+    for (const float x : {-0.5f, 0.5f}) {
+        for (const float y : {-0.5f, 0.5f}) {
+            const auto li = light.emitter->sample_li(light, receiver({x, y, 1}, {0, 0, -1}), {});
+            EXPECT_EQ(li.has_value(), x > 0 && y > 0) << x << " " << y;
         }
     }
 }

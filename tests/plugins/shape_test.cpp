@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What every shape must satisfy, tried on all shape plugins that the registry finds, with defaults
 /// and under hard transforms; then closed forms of single shapes. A new plugin is tested unasked.
+#include "core/interfaces/bsdf.h"
 #include "core/math/rounding.h"
 #include "core/math/solid_angle.h"
 #include "core/math/warp.h"
@@ -62,6 +63,7 @@ const std::map<std::string, std::string>& bodies() {
     static const std::map<std::string, std::string> all = {{"city",
                                                             "<string name='part' value='walls'/>"
                                                             "<integer name='size' value='1'/>"},
+                                                           {"merge", ""},
                                                            {"obj", file("octahedron.obj")},
                                                            {"ply", file("octahedron.ply")},
                                                            {"serialized", ""},
@@ -690,6 +692,34 @@ TEST(Instance, hits_depend_on_nothing_that_was_hit_before) {
         EXPECT_EQ(traced.hit->shading.s, alone->shading.s);
         EXPECT_EQ(traced.hit->shading.t, alone->shading.t);
     }
+}
+
+TEST(Merge, shows_its_shapes_where_they_are) {
+    const std::string shapes =
+        shape("cube", to_world(turned)) +
+        shape("sphere", "<point name='center' x='2' y='1' z='0'/><bsdf type='conductor'/>");
+    const World direct(shapes), merged(shape("merge", shapes));
+    Rng rng(9);
+    int hits = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const Vector3 o = 20.0f * square_to_uniform_sphere(rng.next_float2());
+        const Vector3 target = 3.0f * square_to_uniform_sphere(rng.next_float2());
+        const Ray ray{.o = o, .d = glm::normalize(target - o)};
+        const auto a = direct.scene().intersect(ray), b = merged.scene().intersect(ray);
+        ASSERT_EQ(a.has_value(), b.has_value()) << i;
+        if (!a) continue;
+        ++hits;
+        EXPECT_LT(glm::length(a->p - b->p), 1e-5f);
+        EXPECT_GT(glm::dot(a->n, b->n), 0.99999f);
+        EXPECT_EQ(a->shape->bsdf()->lobes(), b->shape->bsdf()->lobes());
+    }
+    EXPECT_GT(hits, 500);
+    EXPECT_EQ(merged.scene().bounds().min, direct.scene().bounds().min);
+    EXPECT_EQ(merged.scene().bounds().max, direct.scene().bounds().max);
+    EXPECT_EQ(refusal(shape("merge", shape("sphere", "<emitter type='area'/>"))),
+              "a shape of a merge has an emitter, which instances cannot carry; put the emitting "
+              "shape directly into the scene");
+    EXPECT_NE(refusal(shape("merge", "")), "");
 }
 
 TEST(Instance, what_cannot_be_shown_is_refused) {

@@ -61,7 +61,7 @@ protected:
     /// Every texture with defaults, and some with parameters that are hard.
     std::vector<std::string> all() {
         const std::map<std::string, std::string> bodies = {
-            {"bitmap", word("filename", "noise.exr")}};
+            {"bitmap", word("filename", "noise.exr")}, {"rawconstant", number("value", 0.3)}};
         std::vector<std::string> list;
         for (const std::string& name : workshop_.registry().names("texture")) {
             const auto body = bodies.find(name);
@@ -76,6 +76,7 @@ protected:
             list.push_back(bitmap("noise.exr", wrap_mode + nearest));
         }
         list.push_back(texture("checkerboard", to_uv("<scale value='4'/>")));
+        list.push_back(texture("rawconstant", "<vector name='value' value='-1, 2, 0.5'/>"));
         return list;
     }
 
@@ -95,6 +96,22 @@ TEST_F(Textures, StayBelowTheirMaximumAndFinite) {
             EXPECT_TRUE(std::isfinite(t.real(uv)));
         }
     }
+}
+
+TEST_F(Textures, RawConstantsAreOneNumberOrThree) {
+    const Texture& three =
+        make(texture("rawconstant", "<vector name='value' x='-1' y='2' z='0.5'/>"));
+    EXPECT_EQ(three.color({0.3f, 0.4f}), Color(-1, 2, 0.5f));
+    EXPECT_EQ(three.real({0, 0}), luminance({-1, 2, 0.5f}));
+    EXPECT_EQ(make(texture("rawconstant", number("value", 0.3))).color({0, 0}), Color(0.3f));
+    EXPECT_NE(refusal(texture("rawconstant", "<rgb name='value' value='1'/>")), "");
+    EXPECT_NE(refusal(texture("rawconstant")), "");
+}
+
+TEST_F(Textures, PicturesHaveTheirAspect) {
+    EXPECT_EQ(make(texture("checkerboard")).aspect(), 1);
+    const Texture& noise = make(bitmap("noise.exr"));
+    EXPECT_EQ(noise.aspect(), 5 / 3.0f);
 }
 
 TEST_F(Textures, MeanIsTheAverageOverTheUnitSquare) {

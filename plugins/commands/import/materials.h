@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Materials of a model as BSDFs.
 ///
-/// Exact are matte ones; others are approximated by what has the same parameters here: metals and
-/// plastics with a width α = roughness² (glTF 2.0, appendix B) or α² = 2 / (exponent + 2) (Walter
-/// et al. 2007, section 5), glass by a smooth dielectric, opacity by a mask.
+/// Matte ones stay as they are. Those of glTF become `principled`, which has the same parameters:
+/// roughness with α = roughness² (glTF 2.0, appendix B), metal, transmission, clear coat. Phong's
+/// highlights become plastics of α² = 2 / (exponent + 2) (Walter et al. 2007, section 5); glass
+/// of other formats a smooth dielectric, opacity a mask.
 #pragma once
 
 #include "plugins/commands/import/account.h"
@@ -39,16 +40,16 @@ public:
             text_.number("opacity", static_cast<double>(look.opacity));
             remark("opacity by a mask");
         }
-        if (look.transmission > 0.5f) {
-            open("dielectric");
-            text_.number("int_ior", static_cast<double>(look.ior));
-            remark("smooth glass");
-        } else {
-            if (look.two_sided) open("twosided");
-            opaque(material, look);
-            if (look.two_sided) text_.close("bsdf");
+        const std::optional<Picture> normals = texture(material, aiTextureType_NORMALS);
+        const bool sided = look.two_sided && !look.transmits();
+        if (sided) open("twosided");
+        if (normals) {
+            open("normalmap");
+            bitmap("normalmap", *normals, true);
         }
-        if (look.transmission > 0.5f) text_.close("bsdf");
+        surface(material, look);
+        if (normals) text_.close("bsdf");
+        if (sided) text_.close("bsdf");
         if (masked) text_.close("bsdf");
         drop_textures(material);
         account_.note(remark_.empty() ? Fate::converted : Fate::approximated, "material",
@@ -64,9 +65,9 @@ public:
         color = color * strength;
         if (color.IsBlack()) return;
         text_.open(R"(emitter type="area")");
-        const std::optional<std::string> picture = texture(material, aiTextureType_EMISSIVE);
+        const std::optional<Picture> picture = texture(material, aiTextureType_EMISSIVE);
         if (picture && color == aiColor3D(1, 1, 1)) {
-            bitmap("radiance", *picture);
+            bitmap("radiance", *picture, false);
         } else {
             text_.rgb("radiance", color);
             if (picture) remark_ = "texture of the emission left out, since it has a factor";
@@ -83,11 +84,30 @@ public:
     }
 
 private:
+    /// A file, and where texture coordinates (v downwards) lie in it.
+    struct Picture {
+        std::string file;
+        bool placed = false;
+        aiVector2D along_u{1, 0}, along_v{0, 1}, offset{0, 0};
+
+        /// glTF scales, turns counter-clockwise around (0, 0) and moves (KHR_texture_transform).
+        /// assimp turns around the middle instead, with v upwards, and moves so that both agree.
+        void place(const aiUVTransform& t) {
+            placed = true;
+            const float c = std::cos(-t.mRotation), s = std::sin(-t.mRotation);
+            along_u = {c * t.mScaling.x, -s * t.mScaling.x};
+            along_v = {s * t.mScaling.y, c * t.mScaling.y};
+            offset = {t.mTranslation.x - 0.5f * t.mScaling.x * (1 - c + s),
+                      0.5f * t.mScaling.y * (s + c - 1) + 1 - t.mScaling.y - t.mTranslation.y};
+        }
+    };
+
     /// What a material says about itself.
     struct Look {
         aiColor3D color{0.8f, 0.8f, 0.8f}, specular{0, 0, 0};
         float opacity = 1, transmission = 0, ior = 1.5f, exponent = 0;
-        std::optional<float> metallic, roughness;
+        std::optional<float> metallic;  ///< only if the material has the parameters of glTF
+        float roughness = 1, clearcoat = 0, clearcoat_roughness = 0;
         bool two_sided = true;
 
         explicit Look(const aiMaterial& m) {
@@ -104,7 +124,9 @@ private:
             m.Get(AI_MATKEY_SHININESS, exponent);
             float value = 0;
             if (m.Get(AI_MATKEY_METALLIC_FACTOR, value) == aiReturn_SUCCESS) metallic = value;
-            if (m.Get(AI_MATKEY_ROUGHNESS_FACTOR, value) == aiReturn_SUCCESS) roughness = value;
+            m.Get(AI_MATKEY_ROUGHNESS_FACTOR, roughness);
+            m.Get(AI_MATKEY_CLEARCOAT_FACTOR, clearcoat);
+            m.Get(AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR, clearcoat_roughness);
             int shading = aiShadingMode_Phong;
             m.Get(AI_MATKEY_SHADING_MODEL, shading);
             if (shading == aiShadingMode_Gouraud || shading == aiShadingMode_Flat) exponent = 0;
@@ -119,33 +141,57 @@ private:
             opacity = std::clamp(opacity, 0.0f, 1.0f);
         }
 
-        bool shiny() const { return metallic || (!specular.IsBlack() && exponent > 0); }
-        /// Width of the distribution of slopes.
-        float alpha() const {
-            if (metallic) return std::max(1e-3f, roughness.value_or(1) * roughness.value_or(1));
-            return std::sqrt(2 / (exponent + 2));
-        }
+        bool shiny() const { return !specular.IsBlack() && exponent > 0; }
+        bool transmits() const { return transmission > (metallic ? 0.0f : 0.5f); }
     };
 
-    void opaque(const aiMaterial& material, const Look& look) {
-        if (look.metallic.value_or(0) > 0.5f) {
-            open("roughconductor");
-            text_.string("distribution", "ggx");
-            text_.number("alpha", static_cast<double>(look.alpha()));
-            color("specular_reflectance", material, look.color);
-            remark(*look.metallic < 1 ? "metal, though partly metallic" : "metal");
+    void surface(const aiMaterial& material, const Look& look) {
+        if (look.metallic) {
+            open("principled");
+            principled(material, look);
+        } else if (look.transmits()) {
+            open("dielectric");
+            text_.number("int_ior", static_cast<double>(look.ior));
+            remark("smooth glass");
         } else if (look.shiny()) {
             open("roughplastic");
             text_.string("distribution", "ggx");
-            text_.number("alpha", static_cast<double>(look.alpha()));
+            text_.number("alpha", static_cast<double>(std::sqrt(2 / (look.exponent + 2))));
             color("diffuse_reflectance", material, look.color);
-            remark(look.metallic ? "plastic of the same roughness"
-                                 : "plastic for Phong's highlight");
+            remark("plastic for Phong's highlight");
         } else {
             open("diffuse");
             color("reflectance", material, look.color);
         }
         text_.close("bsdf");
+    }
+
+    /// Roughness is in the green channel of glTF's picture, metal in the blue one.
+    void principled(const aiMaterial& material, const Look& look) {
+        color("base_color", material, look.color);
+        number("roughness", material, aiTextureType_DIFFUSE_ROUGHNESS, "g", look.roughness);
+        number("metallic", material, aiTextureType_METALNESS, "b", *look.metallic);
+        text_.number("eta", static_cast<double>(look.ior));
+        if (look.transmits()) {
+            text_.number("spec_trans", static_cast<double>(look.transmission));
+        }
+        if (look.clearcoat > 0) {
+            // glTF's coat has a reflectance of 0.04, the one here a quarter of it.
+            text_.number("clearcoat", static_cast<double>(look.clearcoat));
+            const float alpha = look.clearcoat_roughness * look.clearcoat_roughness;
+            text_.number("clearcoat_gloss",
+                         static_cast<double>(std::clamp((0.1f - alpha) / 0.099f, 0.0f, 1.0f)));
+            remark("the clear coat is a quarter as strong");
+        }
+    }
+
+    /// A number, or the channel of a picture if its factor is 1.
+    void number(const char* name, const aiMaterial& material, aiTextureType type,
+                const char* channel, float factor) {
+        const std::optional<Picture> picture = texture(material, type);
+        if (!picture) return text_.number(name, static_cast<double>(factor));
+        if (factor != 1) remark(std::string(name) + " by the picture without its factor");
+        bitmap(name, *picture, true, channel);
     }
 
     void open(const std::string& type) {
@@ -157,10 +203,10 @@ private:
 
     /// A colour, or the picture in its place.
     void color(const char* name, const aiMaterial& material, aiColor3D value) {
-        std::optional<std::string> picture = texture(material, aiTextureType_BASE_COLOR);
+        std::optional<Picture> picture = texture(material, aiTextureType_BASE_COLOR);
         if (!picture) picture = texture(material, aiTextureType_DIFFUSE);
         if (picture) {
-            bitmap(name, *picture);
+            bitmap(name, *picture, false);
             const bool white = value.r > 0.99f && value.g > 0.99f && value.b > 0.99f;
             if (!white) remark("the picture without its factor");
             return;
@@ -171,27 +217,39 @@ private:
         text_.rgb(name, kept);
     }
 
-    void bitmap(const std::string& name, const std::string& picture) {
+    /// `raw`: numbers, not colours.
+    void bitmap(const std::string& name, const Picture& picture, bool raw,
+                const std::string& channel = "") {
         text_.open(R"(texture type="bitmap" name=")" + name + "\"");
-        text_.string("filename", picture);
+        text_.string("filename", picture.file);
+        if (picture.placed) text_.uv_matrix(picture.along_u, picture.along_v, picture.offset);
+        if (raw) text_.empty(R"(boolean name="raw" value="true")");
+        if (!channel.empty()) text_.string("channel", channel);
         text_.close("texture");
     }
 
-    std::optional<std::string> texture(const aiMaterial& material, aiTextureType type) const {
+    std::optional<Picture> texture(const aiMaterial& material, aiTextureType type) const {
         aiString path;
         if (material.GetTexture(type, 0, &path) != aiReturn_SUCCESS) return {};
-        return find_picture_(path.C_Str());
+        const std::optional<std::string> file = find_picture_(path.C_Str());
+        if (!file) return {};
+        Picture picture{.file = *file};
+        aiUVTransform placed;
+        if (material.Get(AI_MATKEY_UVTRANSFORM(type, 0), placed) == aiReturn_SUCCESS) {
+            picture.place(placed);
+        }
+        return picture;
     }
 
     void drop_textures(const aiMaterial& material) const {
         const std::pair<aiTextureType, const char*> others[] = {
             {aiTextureType_SPECULAR, "of the highlight"},
             {aiTextureType_HEIGHT, "of heights"},
-            {aiTextureType_NORMALS, "of normals"},
+            {aiTextureType_CLEARCOAT, "of the clear coat"},
+            {aiTextureType_TRANSMISSION, "of the transmission"},
+            {aiTextureType_SHEEN, "of the sheen"},
             {aiTextureType_SHININESS, "of the exponent"},
-            {aiTextureType_OPACITY, "of the opacity"},
-            {aiTextureType_METALNESS, "of metal"},
-            {aiTextureType_DIFFUSE_ROUGHNESS, "of the roughness"}};
+            {aiTextureType_OPACITY, "of the opacity"}};
         for (const auto& [type, what] : others) {
             if (material.GetTextureCount(type) == 0) continue;
             account_.note(Fate::dropped, "texture", name_of(material), what);

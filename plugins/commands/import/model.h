@@ -68,6 +68,7 @@ private:
         nodes_[node.mName.C_Str()] = to_world;
         for (unsigned i = 0; i < node.mNumMeshes; ++i) {
             meshes_.push_back({node.mMeshes[i], to_world});
+            ++uses_[node.mMeshes[i]];
             const aiMesh& mesh = *scene_.mMeshes[node.mMeshes[i]];
             for (unsigned k = 0; k < mesh.mNumVertices; ++k) include(to_world * mesh.mVertices[k]);
         }
@@ -146,9 +147,36 @@ private:
             account_.note(Fate::dropped, "mesh", name, "points or lines only");
             return;
         }
-        body_.open(R"(shape type="ply")");
-        body_.string("filename", mesh_file(placed.mesh, name));
+        if (!repeated(placed.mesh)) {
+            surface(placed.mesh, name, placed.to_world);
+            return;
+        }
+        std::string& group = groups_[placed.mesh];
+        if (group.empty()) {
+            group = names_.unique(name + "_group", "group");
+            body_.open("shape type=\"shapegroup\" id=\"" + group + "\"");
+            surface(placed.mesh, name, aiMatrix4x4());
+            body_.close("shape");
+        }
+        body_.open(R"(shape type="instance")");
+        body_.empty("ref id=\"" + group + "\"");
         body_.matrix(placed.to_world);
+        body_.close("shape");
+    }
+
+    /// Placed more than once, and no light: kept once in memory.
+    bool repeated(unsigned index) const {
+        aiColor3D emission(0, 0, 0);
+        const aiMesh& mesh = *scene_.mMeshes[index];
+        scene_.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_COLOR_EMISSIVE, emission);
+        return emission.IsBlack() && uses_.at(index) > 1;
+    }
+
+    void surface(unsigned index, const std::string& name, const aiMatrix4x4& to_world) {
+        const aiMesh& mesh = *scene_.mMeshes[index];
+        body_.open(R"(shape type="ply")");
+        body_.string("filename", mesh_file(index, name));
+        body_.matrix(to_world);
         body_.empty("ref id=\"" + ids_[mesh.mMaterialIndex] + "\"");
         Materials(body_, account_, [this](const std::string& path) {
             return picture(path);
@@ -304,7 +332,8 @@ private:
     std::vector<SideFile> files_;
     std::map<std::string, aiMatrix4x4> nodes_;
     std::vector<Placed> meshes_;
-    std::map<unsigned, std::string> ids_, mesh_files_;
+    std::map<unsigned, unsigned> uses_;  ///< how often each mesh is placed
+    std::map<unsigned, std::string> ids_, mesh_files_, groups_;
     std::map<const aiTexture*, std::string> pictures_;
     aiVector3D low_{1e30f, 1e30f, 1e30f}, high_{-1e30f, -1e30f, -1e30f};
 };

@@ -56,6 +56,15 @@ public:
         close("transform");
     }
 
+    /// The parameter `to_uv` of a texture, by the images of (1, 0) and (0, 1) without the offset.
+    void uv_matrix(const aiVector2D& along_u, const aiVector2D& along_v, const aiVector2D& offset) {
+        open(R"(transform name="to_uv")");
+        empty(fmt::format(R"(matrix value="{} {} {} {} {} {} 0 0 1")", text(along_u.x),
+                          text(along_v.x), text(offset.x), text(along_u.y), text(along_v.y),
+                          text(offset.y)));
+        close("transform");
+    }
+
     const std::string& str() const { return text_; }
 
     /// The shortest text that is read as the same float.
