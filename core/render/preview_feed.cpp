@@ -152,7 +152,7 @@ void PreviewFeed::run() {
         std::optional<std::string> problem;
         try {
             perform(task, status);
-        } catch (const Error& e) {
+        } catch (const std::exception& e) {
             problem = e.what();
         }
         const double seconds = processor_seconds_of_thread() - begin;

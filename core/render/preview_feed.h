@@ -20,8 +20,8 @@
 
 namespace lucerna {
 
-/// "NAME", "NAME:PLACE", or "HOST:PORT", which is the place of the default preview. Opens it; throws
-/// Error if there is no such preview.
+/// Opens the preview that is meant by "NAME", "NAME:PLACE", or "HOST:PORT", which is the place of
+/// the default one. Throws Error if there is no such preview.
 std::unique_ptr<Preview> open_preview(Registry& registry, const std::string& text,
                                       const PreviewSubject& subject);
 

@@ -10,8 +10,8 @@
 namespace lucerna {
 
 /// A bar that is drawn anew on a terminal; elsewhere a line for every tenth of the work, but
-/// none within a second of the last, and one at least every 30 seconds. Programs get a line of JSON a
-/// second on stdout.
+/// none within a second of the last, and one at least every 30 seconds. Programs get a line of
+/// JSON a second on stdout.
 class Progress {
 public:
     enum class Mode { none, lines, bar, json };

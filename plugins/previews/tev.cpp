@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// tev: sends the picture to the viewer tev (https://github.com/Tom94/tev) over its protocol.
 ///
-/// While the render goes on, tev has a picture "NAME (rendering)". In the end one whose name has the
-/// figures takes its place. tev never answers, so all that can be known of it is whether it takes
-/// what it is sent.
+/// While the render goes on, tev has a picture "NAME (rendering)". In the end one whose name has
+/// the figures takes its place. tev never answers, so all that can be known of it is whether it
+/// takes what it is sent.
 #include "core/interfaces/preview.h"
 #include "core/render/render_job.h"
 #include "core/render/statistics.h"
