@@ -5,18 +5,21 @@ samples.
 
     tests/benchmarks/preview_overhead.py --lucerna build/release/bin/lucerna
 
-Renders take turns, so that other work on the machine hits all of them alike. Printed are medians
-over the rounds of the ratios of wall time and of processor time, with their quartiles; the latter
-hardly depends on what else runs.
+Renders take turns in random order, so that other work on the machine hits all of them alike.
+Printed are medians over the rounds of the ratios of wall time and of processor time, with their
+quartiles; the latter depends less on what else runs. An absent tev costs nothing but attempts to
+reach it: its ratio tells how much is noise.
 """
 import argparse
 import contextlib
 import json
 import pathlib
+import random
 import re
 import socket
 import statistics
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -95,9 +98,13 @@ def main():
     parser.add_argument("--spp", type=int, default=8)
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
+    random.seed(0)
     viewers = ["none", "tev", "tev that takes nothing", "absent tev", "web", "web without a page"]
-    rounds = [{viewer: render(arguments, viewer) for viewer in viewers}
-              for _ in range(arguments.rounds)]
+    rounds = []
+    for _ in range(arguments.rounds):
+        order = random.sample(viewers, len(viewers))
+        rounds.append({viewer: render(arguments, viewer) for viewer in order})
+        print(f"round {len(rounds)}: {rounds[-1]}", file=sys.stderr)
     seconds = statistics.median(times["none"][0] for times in rounds)
     print(f"{arguments.resolution}, {arguments.spp} spp, {seconds:.1f} s without a preview")
     print(f"{'viewer':24}{'wall time':>24}{'processor time':>24}")

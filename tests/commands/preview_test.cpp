@@ -49,7 +49,7 @@ TEST_F(PreviewTest, tev_ends_with_the_finished_picture_and_its_figures) {
     ASSERT_EQ(tev.created().size(), 2u);
     EXPECT_EQ(tev.created()[0], "scene.exr (rendering)");
     EXPECT_TRUE(std::regex_match(
-        tev.created()[1], std::regex(R"(scene\.exr \(\d+ spp, 2\.\d s, relMSE [-0-9.e]+\))")))
+        tev.created()[1], std::regex(R"(scene\.exr \(\d+ spp, \d+\.\d s(, relMSE [-0-9.e]+)?\))")))
         << tev.created()[1];
     // 2 × 2 tiles for each time.
     EXPECT_GE(tev.updates(), 8);
@@ -116,7 +116,13 @@ TEST_F(PreviewTest, a_tev_that_takes_nothing_is_told_and_not_waited_for) {
     // More than the system's buffers hold.
     render({"-q", "--resolution", "2000x1500", "--time", "1", "--preview", tev.place()});
     EXPECT_LT(Clock::now() - start, seconds(60));
-    EXPECT_EQ(errors, "warning: the preview did not take the last picture in time\n");
+    // It depends on the machine's speed whether tev hangs for five seconds before the render ends.
+    const bool at_the_end =
+        errors == "warning: the preview did not take the last picture in time\n";
+    EXPECT_TRUE(at_the_end || errors == "warning: tev at " + tev.place() +
+                                            " is gone (it takes no data); the render goes on, and "
+                                            "shows itself once tev is back\n")
+        << errors;
 }
 
 TEST_F(PreviewTest, a_tev_that_is_closed_is_told_once) {
@@ -159,7 +165,7 @@ TEST_F(PreviewTest, a_port_in_use_is_refused_exactly) {
     // Nor do two renders share one.
     const Words words = {"render", "scene.xml", "-q", "--time", "5", "--preview", "web:" + number};
     Process first(folder.path(), words);
-    for (int i = 0; i < 500 && first.errors().empty(); ++i) {
+    for (int i = 0; i < 500 && first.errors().find("preview: ") == std::string::npos; ++i) {
         std::this_thread::sleep_for(milliseconds(10));
     }
     TemporaryFolder other;
@@ -313,8 +319,9 @@ TEST_F(WebPreviewTest, shows_the_render_to_its_last_figures) {
 
 TEST_F(WebPreviewTest, the_button_ends_the_render_as_a_signal_does) {
     start({"--spp", "100000000"});
-    wait_for(
-        [](const nlohmann::json& now) { return now.at("progress").at("samples_per_pixel") > 0; });
+    wait_for([](const nlohmann::json& now) {
+        return now.at("state") == "rendering" && now.at("progress").at("samples_per_pixel") > 0;
+    });
     EXPECT_EQ(ask("POST", root_ + "stop", own_origin()).status, 204);
     EXPECT_EQ(process_->wait(), exit_code::interrupted);
     EXPECT_EQ(plane("scene.exr").size(), 60u * 40u);
