@@ -38,6 +38,7 @@ completions() {
 }
 [[ $(completions ren) == render ]] || fail "the shell does not complete commands"
 [[ $(completions render --thr) == --threads ]] || fail "the shell does not complete options"
+[[ $(completions render --preview t) == tev ]] || fail "the shell does not complete previews"
 [[ $(completions plugins bsdf/thind) == bsdf/thindielectric ]] ||
     fail "the shell does not complete plugins"
 

@@ -11,6 +11,8 @@ _lucerna() {
     elif ((COMP_CWORD == first)); then
         words=$("$program" --help 2> /dev/null |
             sed -nE '/^(commands|options):/,/^$/s/^  ([a-z-]+).*/\1/p')
+    elif [[ ${COMP_WORDS[COMP_CWORD - 1]} == --preview ]]; then
+        words=$("$program" plugins preview 2> /dev/null | sed -nE 's/^  ([^ ]+).*/\1/p')
     elif [[ $word == -* ]]; then
         words=$("$program" "${COMP_WORDS[first]}" --help 2> /dev/null |
             sed -nE 's/^  (-[^ ]+).*/\1/p' | tr ',' ' ')

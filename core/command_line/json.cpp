@@ -55,10 +55,14 @@ Json& Json::append(const Json& value) {
     return *this;
 }
 
-std::string Json::text() const {
+std::string Json::text() const { return dump(2); }
+
+std::string Json::line() const { return dump(-1); }
+
+std::string Json::dump(int indent) const {
     // File names need not be UTF-8; the rest of the text must not be lost for it.
     using Handler = nlohmann::ordered_json::error_handler_t;
-    return value_->json.dump(2, ' ', false, Handler::replace) + "\n";
+    return value_->json.dump(indent, ' ', false, Handler::replace) + "\n";
 }
 
 }  // namespace lucerna

@@ -43,6 +43,8 @@ public:
 
     /// Indented text, with a newline at the end.
     std::string text() const;
+    /// The same in one line, with a newline at its end.
+    std::string line() const;
 
 private:
     struct Integer {
@@ -51,6 +53,8 @@ private:
     };
     struct Value;
     explicit Json(Integer value);
+    /// Spaces for each level, or −1 for one line.
+    std::string dump(int indent) const;
     std::unique_ptr<Value> value_;
 };
 

@@ -27,7 +27,7 @@ constexpr std::array kinds{
     Kind{"emitter", "emitters", "area"},       Kind{"texture", "textures", "checkerboard"},
     Kind{"sensor", "sensors", "perspective"},  Kind{"sampler", "samplers", "sobol"},
     Kind{"film", "films", "hdrfilm"},          Kind{"rfilter", "rfilters", "gaussian"},
-    Kind{"command", "commands", "render"},
+    Kind{"command", "commands", "render"},     Kind{"preview", "previews", "tev"},
 };
 
 struct Alias {

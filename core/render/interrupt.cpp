@@ -40,6 +40,8 @@ InterruptGuard::~InterruptGuard() {
 
 bool InterruptGuard::interrupted() { return signalled.load(std::memory_order_relaxed); }
 
+void InterruptGuard::interrupt() { signalled = true; }
+
 void ignore_write_signals() {
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);

@@ -15,6 +15,8 @@ public:
 
     /// A signal has arrived. Cheap; any thread may ask.
     static bool interrupted();
+    /// What a first signal does, and no more if it comes again. Any thread may call it.
+    static void interrupt();
 };
 
 /// Lets writing to a full disk or a closed pipe fail with an error message instead of killing the

@@ -19,6 +19,7 @@ namespace {
 constexpr double line_fraction = 0.1;
 constexpr double line_seconds = 30;
 constexpr double line_pause = 1;
+constexpr double json_pause = 1;
 constexpr int default_width = 80;
 constexpr int longest_bar = 40;
 
@@ -36,6 +37,19 @@ std::string duration_text(double seconds) {
     const long long s = std::llround(seconds);
     if (s < 3600) return fmt::format("{}:{:02}", s / 60, s % 60);
     return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+Json to_json(const RenderStatus& status) {
+    Json json = Json::object();
+    json.set("seconds", status.seconds).set("fraction", status.fraction);
+    json.set("seconds_left", status.seconds_left);
+    json.set("samples_per_pixel", std::floor(status.samples));
+    json.set("rays_per_second", status.rays_per_second);
+    const std::optional<ErrorEstimate>& error = status.error;
+    json.set("relative_mse", error ? Json(error->relative_mse) : Json());
+    json.set("relative_mse_low", error ? Json(error->low) : Json());
+    json.set("relative_mse_high", error ? Json(error->high) : Json());
+    return json;
 }
 
 std::string progress_text(const RenderStatus& status) {
@@ -69,6 +83,7 @@ Progress::Mode Progress::choose(bool quiet) {
 
 void Progress::update(const RenderStatus& status) {
     if (mode_ == Mode::none) return;
+    if (mode_ == Mode::json) return print_json(status);
     if (mode_ == Mode::bar) {
         // Return to the first column, write, erase what is left of the old text.
         fmt::print(stderr, "\r{}\x1b[K", progress_bar(status, terminal_width() - 1));
@@ -82,6 +97,15 @@ void Progress::update(const RenderStatus& status) {
     lines_fraction_ = std::floor(status.fraction / line_fraction) * line_fraction;
     lines_seconds_ = status.seconds;
     fmt::print(stderr, "{}  {}\n", duration_text(status.seconds), progress_text(status));
+}
+
+void Progress::print_json(const RenderStatus& status) {
+    if (status.seconds < json_seconds_ + json_pause) return;
+    json_seconds_ = std::floor(status.seconds / json_pause) * json_pause;
+    Json json = Json::object();
+    json.set("schema", 1).set("state", "rendering").set("progress", to_json(status));
+    std::fputs(json.line().c_str(), stdout);
+    std::fflush(stdout);
 }
 
 void Progress::clear() {

@@ -194,7 +194,7 @@ void RenderJob::finish_pass(const PassPlan& plan) {
     const Clock::time_point now = Clock::now();
     const bool decides = options_.budget.error && plan.at_error_check();
     const bool shown =
-        options_.progress && seconds_between(error_time_, now) > std::max(1.0, 20 * error_cost_);
+        options_.progress && seconds_between(error_time_, now) > std::max(1.0, 100 * error_cost_);
     if (decides || shown) {
         error_ = state_.error();
         error_samples_ = samples_;

@@ -9,6 +9,7 @@
 #include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/output.h"
+#include "core/render/preview_feed.h"
 #include "core/render/progress.h"
 #include "core/render/session.h"
 
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 
 /// What the command line says.
 struct Request {
-    std::string scene, output, checkpoint, view;
+    std::string scene, output, checkpoint, view, preview;
     RenderBudget budget;
     std::uint64_t seed = 0;
     int threads = 0;
@@ -34,7 +35,7 @@ struct Request {
     std::vector<std::pair<std::string, std::string>> defines;
     std::vector<std::string> overrides, plugin_folders;
     double checkpoint_seconds = 60, exposure = 0;
-    bool resume = false, quiet = false, json = false;
+    bool resume = false, quiet = false, json = false, json_progress = false;
 };
 
 void declare_what(Arguments& arguments, Request& request) {
@@ -79,6 +80,13 @@ void declare_how(Arguments& arguments, Request& request) {
                      "of the PNG, in factors of two");
     arguments.flag("-q,--quiet", request.quiet, "prints nothing but warnings and errors");
     arguments.flag("--json", request.json, "prints the figures as JSON");
+    arguments.flag("--json-progress", request.json_progress,
+                   "prints a line of JSON a second, and the figures in the last one");
+    arguments.option(
+        "--preview", "WHERE", request.preview,
+        "shows the picture while it grows: tev, or HOST:PORT where tev listens; web or "
+        "web:PORT, a page for browsers on this machine that can also stop the render, "
+        "or web:ADDRESS:PORT for others; its address is printed even with --quiet");
     arguments.footer(
         "The first limit that is reached ends the render. SIGINT and SIGTERM end it, too: pictures "
         "and checkpoint are written if there is any sample, and the exit code is 130.\n\n"
@@ -89,6 +97,9 @@ void declare_how(Arguments& arguments, Request& request) {
 
 /// What is wrong with the arguments taken together, or empty.
 std::string contradiction(const Request& request) {
+    if (request.json && request.json_progress) {
+        return "--json-progress ends with the figures that --json prints; give one of them";
+    }
     if (request.checkpoint.empty()) return request.resume ? "--resume needs --checkpoint FILE" : "";
     const PicturePaths pictures(request.output, request.scene);
     const fs::path checkpoint = fs::weakly_canonical(request.checkpoint);
@@ -132,16 +143,33 @@ bool is_black(const FilmState& film) {
     return true;
 }
 
+/// What the command line asks for, opened; null if it asks for none.
+std::unique_ptr<Preview> preview_of(const Request& request) {
+    if (request.preview.empty()) return nullptr;
+    Registry registry({request.plugin_folders.begin(), request.plugin_folders.end()});
+    return open_preview(registry, request.preview,
+                        {.name = PicturePaths(request.output, request.scene).exr.string(),
+                         .exposure = request.exposure,
+                         .stop = InterruptGuard::interrupt});
+}
+
+/// The progress that is shown.
+Progress::Mode progress_mode(const Request& request) {
+    return request.json_progress ? Progress::Mode::json : Progress::choose(request.quiet);
+}
+
 /// One run of the command.
 class Rendering {
 public:
-    Rendering(const Request& request, std::string command, PictureView view)
+    /// `preview` may be null.
+    Rendering(const Request& request, std::string command, PictureView view, Preview* preview)
         : request_(request),
           command_(std::move(command)),
           view_(std::move(view)),
           paths_(request.output, request.scene),
           session_(session_settings(request)),
-          progress_(Progress::choose(request.quiet)) {}
+          progress_(progress_mode(request)),
+          preview_(preview) {}
 
     int run();
 
@@ -149,7 +177,11 @@ private:
     void check_files() const;
     std::optional<RenderState> previous_state() const;
     RenderOptions options(double earlier_seconds);
+    void report(const RenderStatus& status);
+    void keep(const FilmState& film, double seconds, double earlier_seconds);
     void save_state(const FilmState& film, double seconds) const;
+    void print_warning_of_preview();
+    Json summary(const RenderResult& result) const;
     void print(const RenderResult& result) const;
 
     const Request& request_;
@@ -158,6 +190,8 @@ private:
     PicturePaths paths_;
     Session session_;
     Progress progress_;
+    Preview* preview_;
+    std::optional<PreviewFeed> feed_;
     double last_checkpoint_ = 0;
 };
 
@@ -170,6 +204,7 @@ int Rendering::run() {
     const double earlier_seconds = state ? state->seconds : 0;
 
     const InterruptGuard guard;
+    if (preview_) feed_.emplace(*preview_, request_.threads);
     const RenderResult result = session_.render(options(earlier_seconds), std::move(state));
     progress_.clear();
     if (result.interrupted && result.film.most_samples() == 0) {
@@ -192,6 +227,10 @@ int Rendering::run() {
                    "warning: the picture is black: the scene has no light; add an <emitter>\n");
     }
     print(result);
+    if (feed_) {
+        feed_->finish(result.film, result.figures);
+        print_warning_of_preview();
+    }
     if (no_checkpoint) std::rethrow_exception(no_checkpoint);
     return result.interrupted ? exit_code::interrupted : exit_code::success;
 }
@@ -227,41 +266,69 @@ RenderOptions Rendering::options(double earlier_seconds) {
     options.budget = request_.budget;
     options.seed = request_.seed;
     options.interrupted = InterruptGuard::interrupted;
-    options.progress = [this](const RenderStatus& status) { progress_.update(status); };
-    if (request_.quiet) options.progress = nullptr;
-    if (request_.checkpoint.empty()) return options;
+    const bool shown = feed_ || request_.json_progress || !request_.quiet;
+    if (shown) options.progress = [this](const RenderStatus& status) { report(status); };
     options.after_pass = [this, earlier_seconds](const RenderStatus& status,
                                                  const FilmState& film) {
-        if (status.seconds < last_checkpoint_ + request_.checkpoint_seconds) return;
-        last_checkpoint_ = status.seconds;
-        try {
-            save_state(film, earlier_seconds + status.seconds);
-        } catch (const FileError& e) {
-            // The render is worth more than this checkpoint; the last one is still there.
-            progress_.clear();
-            fmt::print(stderr, "warning: no checkpoint: {}\n", e.what());
-        }
+        if (feed_) feed_->after_pass(status, film);
+        keep(film, status.seconds, earlier_seconds);
     };
     return options;
+}
+
+void Rendering::report(const RenderStatus& status) {
+    progress_.update(status);
+    if (!feed_) return;
+    feed_->update(status);
+    print_warning_of_preview();
+}
+
+/// Writes the checkpoint if it is due.
+void Rendering::keep(const FilmState& film, double seconds, double earlier_seconds) {
+    if (request_.checkpoint.empty()) return;
+    if (seconds < last_checkpoint_ + request_.checkpoint_seconds) return;
+    last_checkpoint_ = seconds;
+    try {
+        save_state(film, earlier_seconds + seconds);
+    } catch (const FileError& e) {
+        // The render is worth more than this checkpoint; the last one is still there.
+        progress_.clear();
+        fmt::print(stderr, "warning: no checkpoint: {}\n", e.what());
+    }
 }
 
 void Rendering::save_state(const FilmState& film, double seconds) const {
     write_state(request_.checkpoint, film, session_.identity(request_.seed), seconds);
 }
 
+void Rendering::print_warning_of_preview() {
+    const std::optional<std::string> warning = feed_->take_warning();
+    if (!warning) return;
+    progress_.clear();
+    fmt::print(stderr, "warning: {}\n", *warning);
+}
+
+Json Rendering::summary(const RenderResult& result) const {
+    Json json = Json::object();
+    json.set("schema", 1);
+    if (request_.json_progress) json.set("state", "finished");
+    json.set("scene", request_.scene);
+    json.set("images", std::vector<std::string>{paths_.exr.string(), paths_.png.string()});
+    if (!request_.checkpoint.empty()) json.set("checkpoint", request_.checkpoint);
+    json.set("interrupted", result.interrupted);
+    return json.set("figures", to_json(result.figures));
+}
+
 void Rendering::print(const RenderResult& result) const {
-    if (request_.json) {
-        Json json = Json::object();
-        json.set("schema", 1).set("scene", request_.scene);
-        json.set("images", std::vector<std::string>{paths_.exr.string(), paths_.png.string()});
-        if (!request_.checkpoint.empty()) json.set("checkpoint", request_.checkpoint);
-        json.set("interrupted", result.interrupted);
-        json.set("figures", to_json(result.figures));
-        fmt::print("{}", json.text());
+    if (request_.json_progress) {
+        fmt::print("{}", summary(result).line());
+    } else if (request_.json) {
+        fmt::print("{}", summary(result).text());
     } else if (!request_.quiet) {
         fmt::print("{}{}\n{}\n{}\n", result.interrupted ? "interrupted; " : "",
                    figures_text(result.figures), paths_.exr.string(), paths_.png.string());
     }
+    std::fflush(stdout);
 }
 
 class RenderCommand final : public Command {
@@ -287,7 +354,17 @@ public:
             fmt::print(stderr, "lucerna render: {}\n", e.what());
             return exit_code::scene;
         }
-        return Rendering(request, shell_text("render", words), std::move(*view)).run();
+        std::unique_ptr<Preview> preview;
+        try {
+            preview = preview_of(request);
+        } catch (const PluginError&) {
+            throw;
+        } catch (const Error& e) {
+            fmt::print(stderr, "lucerna render: --preview {}: {}\n", request.preview, e.what());
+            return exit_code::usage;
+        }
+        return Rendering(request, shell_text("render", words), std::move(*view), preview.get())
+            .run();
     }
 };
 

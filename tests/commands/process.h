@@ -51,6 +51,7 @@ public:
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
 
+    pid_t id() const { return pid_; }
     void kill(int signal) const { ::kill(pid_, signal); }
     /// The exit code; 128 + the signal that ended it.
     int wait() {

@@ -13,20 +13,5 @@ foreach(part "style;${FOLDER}/style.css" "chart;${CHART_JS}" "licence;${LICENCE}
     string(REPLACE "/* ${name} */" "${content}" page "${page}")
 endforeach()
 
-file(WRITE ${OUTPUT}.html "${page}")
-file(READ ${OUTPUT}.html bytes HEX)
-file(REMOVE ${OUTPUT}.html)
-string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
-string(REPEAT "." 120 line)  # 24 numbers
-string(REGEX REPLACE "(${line})" "\\1\n" bytes "${bytes}")
-file(WRITE ${OUTPUT} "#include <cstddef>
-
-namespace lucerna {
-extern const unsigned char report_page[];
-extern const std::size_t report_page_size;
-const unsigned char report_page[] = {
-${bytes}
-};
-const std::size_t report_page_size = sizeof report_page;
-}  // namespace lucerna
-")
+include(${CMAKE_CURRENT_LIST_DIR}/../../embed_text.cmake)
+embed_text("${page}" report_page ${OUTPUT})

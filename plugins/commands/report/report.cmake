@@ -15,5 +15,6 @@ add_custom_command(OUTPUT ${page} VERBATIM
     COMMAND ${CMAKE_COMMAND} -D FOLDER=${page_folder} -D CHART_JS=${LUCERNA_CHART_JS}
             -D LICENCE=${page_licence} -D OUTPUT=${page} -P ${page_folder}/embed.cmake
     DEPENDS ${page_parts} ${LUCERNA_CHART_JS} ${page_licence}
+            ${CMAKE_CURRENT_SOURCE_DIR}/embed_text.cmake
     COMMENT "Putting the page of `lucerna compare` together")
 target_sources(plugin_commands_compare PRIVATE ${page})

@@ -20,6 +20,19 @@ TEST(Progress, tells_what_is_known) {
     EXPECT_EQ(progress_text({}), "  0 %  0 spp");
 }
 
+TEST(Progress, programs_get_all_of_it_in_one_line) {
+    EXPECT_EQ(to_json(status).line(),
+              R"({"seconds":30.0,"fraction":0.25,"seconds_left":90.0,"samples_per_pixel":16.0,)"
+              R"("rays_per_second":3456000.0,"relative_mse":0.0123,"relative_mse_low":0.0,)"
+              R"("relative_mse_high":0.0})"
+              "\n");
+    EXPECT_EQ(to_json(RenderStatus{}).line(),
+              R"({"seconds":0.0,"fraction":0.0,"seconds_left":null,"samples_per_pixel":0.0,)"
+              R"("rays_per_second":0.0,"relative_mse":null,"relative_mse_low":null,)"
+              R"("relative_mse_high":null})"
+              "\n");
+}
+
 TEST(Progress, bar_fits_the_terminal) {
     for (const int width : {0, 1, 10, 60, 80, 300}) {
         EXPECT_LE(progress_bar(status, width).size(), static_cast<std::size_t>(width));
