@@ -56,8 +56,9 @@ void read(OpenFile& file, std::span<std::uint8_t> bytes, const std::filesystem::
     const auto wanted = static_cast<std::streamsize>(bytes.size());
     file.stream.read(reinterpret_cast<char*>(bytes.data()), wanted);
     if (file.stream.gcount() == wanted) return;
-    throw FileError(fmt::format("{}: {} of its {} bytes could not be read; is it being written?",
-                                path.string(), wanted - file.stream.gcount(), file.size));
+    throw TransientFileError(
+        fmt::format("{}: {} of its {} bytes could not be read; is it being written?", path.string(),
+                    wanted - file.stream.gcount(), file.size));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the order of words in a state file");
 static_assert(sizeof(ExactSum) == 16, "a sum is four words");
 
-constexpr int state_format = 3;
+constexpr int state_format = 4;
 constexpr const char* word_names[4] = {"high0", "high1", "low0", "low1"};
 
 /// Calls visit(name, first, stride) for every plane of the state in a fixed order: the plane's
@@ -71,8 +71,9 @@ struct Header {
     bool unfiltered;
     int block, reach;
     double negative_weight, noise_correlation, seconds;
+    PartRecord part;
 
-    /// Not of the seconds: two states with the same sums have the same checksum.
+    /// Not of the times: two states with the same sums have the same checksum.
     std::uint64_t hash() const {
         std::uint64_t h =
             hash64({scene_hash, seed, first_sample, std::bit_cast<std::uint64_t>(negative_weight),
@@ -81,7 +82,11 @@ struct Header {
         for (const int x : {crop.offset.x, crop.offset.y, crop.size.x, crop.size.y}) {
             h = hash_combine(h, static_cast<std::uint64_t>(x));
         }
-        for (const char c : version + "\n" + layers) {
+        h = hash_combine(h, part.all_samples);
+        const std::string texts = join(
+            {version, layers, part.samples.text(), part.planned.text(), part.integrator, part.film},
+            "\n");
+        for (const char c : texts) {
             h = hash_combine(h, static_cast<unsigned char>(c));
         }
         return h;
@@ -131,6 +136,40 @@ private:
     const fs::path& path_;
 };
 
+PartRecord read_part(const MetadataReader& reader) {
+    const auto ranges = [&](const char* name) {
+        const std::optional<SampleRanges> set =
+            SampleRanges::parse(reader.value<std::string>(name));
+        if (!set) reader.fail();
+        return *set;
+    };
+    return {.samples = ranges("lucerna:samples"),
+            .planned = ranges("lucerna:planned_samples"),
+            .all_samples = reader.number("lucerna:all_samples", 10),
+            .time_limit = reader.value<double>("lucerna:time_limit"),
+            .parts = reader.value<int>("lucerna:parts"),
+            .begin = reader.value<double>("lucerna:begin_time"),
+            .end = reader.value<double>("lucerna:end_time"),
+            .scene = reader.value<std::string>("lucerna:scene"),
+            .integrator = reader.value<std::string>("lucerna:integrator"),
+            .light_sampler = reader.value<std::string>("lucerna:light_sampler"),
+            .film = reader.value<std::string>("lucerna:film")};
+}
+
+void write_part(const PartRecord& part, Metadata& metadata) {
+    metadata["lucerna:samples"] = part.samples.text();
+    metadata["lucerna:planned_samples"] = part.planned.text();
+    metadata["lucerna:all_samples"] = std::to_string(part.all_samples);
+    metadata["lucerna:time_limit"] = part.time_limit;
+    metadata["lucerna:parts"] = part.parts;
+    metadata["lucerna:begin_time"] = part.begin;
+    metadata["lucerna:end_time"] = part.end;
+    metadata["lucerna:scene"] = part.scene;
+    metadata["lucerna:integrator"] = part.integrator;
+    metadata["lucerna:light_sampler"] = part.light_sampler;
+    metadata["lucerna:film"] = part.film;
+}
+
 Header read_header(const MetadataReader& reader) {
     return {.version = reader.value<std::string>("lucerna:version"),
             .layers = reader.value<std::string>("lucerna:layers"),
@@ -146,7 +185,8 @@ Header read_header(const MetadataReader& reader) {
             .reach = reader.value<int>("lucerna:filter_reach"),
             .negative_weight = reader.value<double>("lucerna:negative_weight"),
             .noise_correlation = reader.value<double>("lucerna:noise_correlation"),
-            .seconds = reader.value<double>("lucerna:render_seconds")};
+            .seconds = reader.value<double>("lucerna:render_seconds"),
+            .part = read_part(reader)};
 }
 
 void write_header(const Header& header, Metadata& metadata) {
@@ -166,6 +206,18 @@ void write_header(const Header& header, Metadata& metadata) {
     metadata["lucerna:negative_weight"] = header.negative_weight;
     metadata["lucerna:noise_correlation"] = header.noise_correlation;
     metadata["lucerna:render_seconds"] = header.seconds;
+    write_part(header.part, metadata);
+}
+
+/// Before all else: other versions may have written other things.
+void check_version(const MetadataReader& reader, const fs::path& path) {
+    const auto version = reader.value<std::string>("lucerna:version");
+    const int format = reader.value<int>("lucerna:state");
+    if (format == state_format && version == core_version()) return;
+    throw VersionError(
+        fmt::format("{} was written by Lucerna {} in version {} of its states; this is {} with "
+                    "version {}: images of two versions cannot be continued; render it again",
+                    path.string(), version, format, core_version(), state_format));
 }
 
 std::vector<std::string> split(const std::string& text) {
@@ -181,7 +233,7 @@ std::vector<std::string> split(const std::string& text) {
 }  // namespace
 
 void write_state(const fs::path& path, const FilmState& film, const RenderIdentity& identity,
-                 double seconds) {
+                 double seconds, const PartRecord& part) {
     const Header header = {.version = core_version(),
                            .layers = join(film.layout().layers, ","),
                            .scene_hash = identity.scene_hash,
@@ -193,7 +245,8 @@ void write_state(const fs::path& path, const FilmState& film, const RenderIdenti
                            .reach = film.layout().reach,
                            .negative_weight = film.layout().negative_weight,
                            .noise_correlation = film.layout().noise_correlation,
-                           .seconds = seconds};
+                           .seconds = seconds,
+                           .part = part};
     ImageFile file = film.resolve(film.layout().sampled());
     write_header(header, file.metadata);
     std::uint64_t sum = header.hash();
@@ -212,13 +265,8 @@ void write_state(const fs::path& path, const FilmState& film, const RenderIdenti
 RenderState read_state(const fs::path& path) {
     const ImageFile file = read_exr(path);
     const MetadataReader reader(file.metadata, path);
+    check_version(reader, path);
     const Header header = read_header(reader);
-    if (reader.value<int>("lucerna:state") != state_format || header.version != core_version()) {
-        throw FileError(
-            fmt::format("{} was written by Lucerna {}, this is {}: images of two "
-                        "versions cannot be continued; render again without --resume",
-                        path.string(), header.version, core_version()));
-    }
     const FilmLayout layout = {.full_size = {file.full_width, file.full_height},
                                .crop = header.crop,
                                .layers = split(header.layers),
@@ -241,7 +289,8 @@ RenderState read_state(const fs::path& path) {
     }
     RenderState state = {.film = FilmState(layout, header.first_sample),
                          .identity = {header.scene_hash, header.seed},
-                         .seconds = header.seconds};
+                         .seconds = header.seconds,
+                         .part = header.part};
     std::uint64_t sum = header.hash();
     visit_planes(state.film, [&](const std::string& name, std::byte* first, std::size_t stride) {
         const Plane* plane = file.plane(name);
@@ -261,6 +310,8 @@ RenderState read_state(const fs::path& path) {
     }
     return state;
 }
+
+VersionError::~VersionError() = default;
 
 void check_continues(const RenderState& state, const FilmLayout& layout,
                      const RenderIdentity& identity, const fs::path& path) {
