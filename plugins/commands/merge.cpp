@@ -151,6 +151,10 @@ void Merge::write_picture(const RenderState& state, const RenderFigures& figures
     Registry registry({request_.plugin_folders.begin(), request_.plugin_folders.end()});
     const StoredFilm film(state.part.film, registry);
     ImageFile image = annotated_image(state.film, figures, command_, state.part.scene);
+    // What only the machines that rendered know.
+    for (const char* name : {"build_seconds", "rays_per_second", "threads"}) {
+        image.metadata.erase(image.metadata.find(fmt::format("lucerna:{}", name)));
+    }
     image.metadata["lucerna:parts"] = state.part.parts;
     image.metadata["lucerna:samples"] = state.part.samples.text();
     image.metadata["lucerna:wall_seconds"] = state.part.end - state.part.begin;
