@@ -144,16 +144,11 @@ void FilmState::merge(const FilmState& next) {
             end, next.first_sample_, next.first_sample_ + next.samples(i),
             end < next.first_sample_ ? "those between are missing" : "some would count twice"));
     }
-    add(next);
-}
-
-void FilmState::add(const FilmState& other) {
-    first_sample_ = std::min(first_sample_, other.first_sample_);
-    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i].add(other.sums_[i]);
-    for (std::size_t i = 0; i < weights_.size(); ++i) weights_[i] += other.weights_[i];
-    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
-    for (std::size_t i = 0; i < squares_.size(); ++i) squares_[i].add(other.squares_[i]);
-    for (std::size_t i = 0; i < dropped_.size(); ++i) dropped_[i] += other.dropped_[i];
+    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i].add(next.sums_[i]);
+    for (std::size_t i = 0; i < weights_.size(); ++i) weights_[i] += next.weights_[i];
+    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += next.counts_[i];
+    for (std::size_t i = 0; i < squares_.size(); ++i) squares_[i].add(next.squares_[i]);
+    for (std::size_t i = 0; i < dropped_.size(); ++i) dropped_[i] += next.dropped_[i];
 }
 
 double FilmState::value(std::size_t i, Halves halves, std::size_t channel) const {

@@ -71,8 +71,6 @@ public:
     /// Adds the samples of `next`, which must be those that follow for every pixel. Throws Error if
     /// the layouts differ, or if samples would be missing or counted twice.
     void merge(const FilmState& next);
-    /// Adds all samples of a film of the same layout that has none of this film's.
-    void add(const FilmState& other);
 
     /// Value of channel (R, G, B, A, layers) of a pixel of the crop window by half 0 or 1 of the
     /// samples.

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include <sys/resource.h>
+
 #include <cstdio>
 #include <filesystem>
 
@@ -112,6 +114,14 @@ void tell_missing(const PartRecord& part, bool partial) {
     }
 }
 
+/// All parts are open at once, and there may be more than a process may open at first.
+void allow_many_files() {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 class Merge {
 public:
     Merge(const Request& request, std::string command)
@@ -204,6 +214,7 @@ public:
             return exit_code::usage;
         }
         ignore_write_signals();
+        allow_many_files();
         try {
             return Merge(request, shell_text("merge", words)).run();
         } catch (const TransientFileError& e) {

@@ -218,10 +218,7 @@ inline PartRecord PartRendering::record() const {
 
 inline void PartRendering::save(const std::filesystem::path& path, const FilmState& film,
                                 double seconds) const {
-    PartRecord part = record();
-    part.samples =
-        SampleRanges({.begin = range_.begin, .end = range_.begin + film.complete_samples()});
-    write_state(path, film, session_.identity(request_.seed), seconds, part);
+    write_state(path, film, session_.identity(request_.seed), seconds, record());
 }
 
 inline void PartRendering::print(const RenderResult& result) const {
