@@ -199,13 +199,14 @@ public:
         declare_what(arguments, request);
         declare_how(arguments, request);
         if (const std::optional<int> code = arguments.parse(words)) return *code;
+        request.part = parse_part(request.part_text);
         const std::string problem = contradiction(request);
         if (!problem.empty()) {
             fmt::print(stderr, "lucerna render: {}\n", problem);
             return exit_code::usage;
         }
         ignore_write_signals();
-        if (!request.part.empty()) return render_part(request);
+        if (request.part) return render_part(request);
         std::optional<PictureView> view;
         try {
             view = picture_view(request.view, request.exposure);

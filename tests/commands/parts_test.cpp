@@ -233,10 +233,13 @@ TEST_F(PartsTest, PartsOutOfRangeAreRefused) {
         render(words, exit_code::usage);
         return errors;
     };
-    EXPECT_EQ(refusal("0/4"), "lucerna render: --part: 0 is out of range; expected ≥ 1\n");
+    EXPECT_EQ(refusal("0/4"), "lucerna render: --part 0/4: there are only parts 1 to 4\n");
     EXPECT_EQ(refusal("5/4"), "lucerna render: --part 5/4: there are only parts 1 to 4\n");
-    EXPECT_EQ(refusal("1/0"), "lucerna render: --part: 0 is out of range; expected ≥ 1\n");
-    EXPECT_EQ(refusal("1-4"), "");
+    EXPECT_EQ(refusal("1/0"), "lucerna render: --part 1/0: there must be one part at least\n");
+    for (const std::string text : {"1-4", "/4", "3/", "3", "1/4x", "-1/4", "1/4/4", " 1/4"}) {
+        EXPECT_EQ(refusal(text.c_str()),
+                  "lucerna render: --part: expected K/N, such as 3/64, not \"" + text + "\"\n");
+    }
     EXPECT_EQ(refusal("1/4", {}),
               "lucerna render: --part needs --output FILE, the file for the state of the part\n");
     const std::string own =

@@ -48,9 +48,7 @@ private:
     int finish(const RenderResult& result, double seconds);
     void print(const RenderResult& result) const;
 
-    std::string name() const {
-        return fmt::format("part {}/{}", request_.part[0], request_.part[1]);
-    }
+    std::string name() const { return "part " + request_.part_text; }
     PartRecord record() const;
 
     const Request& request_;
@@ -71,14 +69,14 @@ inline PartRendering::PartRendering(const Request& request)
       progress_(Progress::choose(request.quiet)) {
     const int default_count = session_.scene().sensor().sampler().sample_count();
     all_samples_ = request.budget.samples.value_or(static_cast<std::uint64_t>(default_count));
-    const auto count = static_cast<std::uint64_t>(request.part[1]);
+    const auto [number, count] = *request.part;
     if (count > all_samples_) {
         throw Error(
             fmt::format("{} samples per pixel cannot make {} parts; raise --spp, or make "
                         "at most {} parts",
                         all_samples_, count, all_samples_));
     }
-    range_ = samples_of_part(all_samples_, static_cast<std::uint64_t>(request.part[0]), count);
+    range_ = samples_of_part(all_samples_, number, count);
 }
 
 inline int PartRendering::run() {
@@ -227,7 +225,7 @@ inline void PartRendering::print(const RenderResult& result) const {
     if (request_.json) {
         Json json = Json::object();
         json.set("schema", 1).set("scene", request_.scene).set("state", file_.string());
-        json.set("part", request_.part[0]).set("parts", request_.part[1]);
+        json.set("part", request_.part->number).set("parts", request_.part->count);
         json.set("samples", samples).set("all_samples", all_samples_);
         json.set("figures", to_json(result.figures));
         fmt::print("{}", json.text());

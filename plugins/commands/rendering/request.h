@@ -8,19 +8,29 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace lucerna {
 
+/// Part `number` of `count`, 1 … count.
+struct Part {
+    std::uint64_t number = 0, count = 0;
+};
+
 struct Request {
     std::string scene, output, checkpoint, view;
     RenderBudget budget;
     std::uint64_t seed = 0;
     int threads = 0;
-    std::vector<int> resolution, crop, part;
+    std::string part_text;
+    std::optional<Part> part;
+    std::vector<int> resolution, crop;
     std::vector<std::pair<std::string, std::string>> defines;
     std::vector<std::string> overrides, plugin_folders;
     double checkpoint_seconds = 60, exposure = 0;
@@ -56,7 +66,7 @@ inline void declare_how(Arguments& arguments, Request& request) {
                      "time to render, without loading and building");
     arguments.option("--error", "RELMSE", request.budget.error, positive,
                      "renders until the estimate of the relative mean squared error is below this");
-    arguments.option("--part", "K/N", request.part, '/', 2, {.min = 1, .max = 1 << 30},
+    arguments.option("--part", "K/N", request.part_text,
                      "renders the samples of part K of N, for `lucerna merge`: FILE of --output is "
                      "then the state of the part, not a picture; run again, it goes on from its "
                      "own checkpoint, FILE.checkpoint");
@@ -82,11 +92,27 @@ inline void declare_how(Arguments& arguments, Request& request) {
         "should run a part again after 75 and after 128 and above, and after nothing else.");
 }
 
+/// "3/64"; nothing for any other text.
+inline std::optional<Part> parse_part(const std::string& text) {
+    Part part;
+    const char* const end = text.data() + text.size();
+    const auto number = std::from_chars(text.data(), end, part.number);
+    if (number.ec != std::errc() || number.ptr == end || *number.ptr != '/') return {};
+    const auto count = std::from_chars(number.ptr + 1, end, part.count);
+    if (count.ec != std::errc() || count.ptr != end) return {};
+    return part;
+}
+
 /// What is wrong with the arguments of a part, or empty.
 inline std::string contradiction_of_part(const Request& request) {
-    const int part = request.part[0], count = request.part[1];
-    if (part > count) {
-        return fmt::format("--part {}/{}: there are only parts 1 to {}", part, count, count);
+    if (!request.part) {
+        return fmt::format("--part: expected K/N, such as 3/64, not {}", quote(request.part_text));
+    }
+    const auto [number, count] = *request.part;
+    if (count == 0)
+        return fmt::format("--part {}: there must be one part at least", request.part_text);
+    if (number == 0 || number > count) {
+        return fmt::format("--part {}: there are only parts 1 to {}", request.part_text, count);
     }
     if (request.output.empty()) {
         return "--part needs --output FILE, the file for the state of the part";
@@ -103,7 +129,7 @@ inline std::string contradiction_of_part(const Request& request) {
 
 /// What is wrong with the arguments taken together, or empty.
 inline std::string contradiction(const Request& request) {
-    if (!request.part.empty()) return contradiction_of_part(request);
+    if (!request.part_text.empty()) return contradiction_of_part(request);
     if (request.checkpoint.empty()) return request.resume ? "--resume needs --checkpoint FILE" : "";
     const PicturePaths pictures(request.output, request.scene);
     const std::filesystem::path checkpoint = std::filesystem::weakly_canonical(request.checkpoint);
