@@ -124,24 +124,32 @@ public:
     /// The last words are filled up with zeros; the size tells them from such contents.
     void add(std::span<const std::uint8_t> bytes) {
         size_ += bytes.size();
-        while (!bytes.empty()) {
-            std::array<std::uint64_t, 4> words = {};
-            const std::size_t count = std::min(bytes.size(), sizeof words);
-            std::memcpy(words.data(), bytes.data(), count);
-            for (std::size_t k = 0; k < words.size(); ++k) {
-                const std::uint64_t mixed = (chains_[k] ^ words[k]) * 0x9e3779b97f4a7c15u;
-                chains_[k] = mixed ^ mixed >> 32;
-            }
-            bytes = bytes.subspan(count);
+        Words words;
+        for (; bytes.size() >= sizeof words; bytes = bytes.subspan(sizeof words)) {
+            std::memcpy(words.data(), bytes.data(), sizeof words);
+            add(words);
         }
+        if (bytes.empty()) return;
+        words.fill(0);
+        std::memcpy(words.data(), bytes.data(), bytes.size());
+        add(words);
     }
     std::uint64_t value() const {
         return hash64({size_, chains_[0], chains_[1], chains_[2], chains_[3]});
     }
 
 private:
+    using Words = std::array<std::uint64_t, 4>;
+
+    void add(const Words& words) {
+        for (std::size_t k = 0; k < words.size(); ++k) {
+            const std::uint64_t mixed = (chains_[k] ^ words[k]) * 0x9e3779b97f4a7c15u;
+            chains_[k] = mixed ^ mixed >> 32;
+        }
+    }
+
     std::uint64_t size_ = 0;
-    std::array<std::uint64_t, 4> chains_ = {1, 2, 3, 4};
+    Words chains_ = {1, 2, 3, 4};
 };
 
 }  // namespace

@@ -11,8 +11,9 @@
 
 namespace lucerna {
 
-/// All samples of the states. Needs the memory of one film, however many states there are. Throws Error, naming both files,
-/// for states of different renders or with the same samples; FileError as read_state.
+/// All samples of the states. Needs the memory of one film, however many states there are. Throws
+/// Error, naming both files, for states of different renders or with the same samples; FileError as
+/// read_state.
 RenderState merge_states(const std::vector<std::filesystem::path>& paths);
 
 /// The samples of the whole render that no part was to have: those of parts that are absent.

@@ -37,8 +37,8 @@ class PackedSums {
 public:
     explicit PackedSums(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
 
-    /// Adds as many sums as there are in `sums`, one to each. Added to zeros, they have the bits that they
-    /// were packed with. Returns false if the bytes are no packed sums.
+    /// Adds as many sums as there are in `sums`, one to each. Added to zeros, they have the bits
+    /// that they were packed with. Returns false if the bytes are no packed sums.
     [[nodiscard]] bool add_to(SumsOf<ExactSum> sums);
     /// A byte that was appended between sums; nothing at the end.
     std::optional<std::uint8_t> take_byte();

@@ -216,7 +216,7 @@ public:
     [[noreturn]] void fail() const {
         throw FileError(
             fmt::format("{} is not the state of a render; give a file that "
-                        "`lucerna render --checkpoint` wrote",
+                        "`lucerna render --checkpoint` or `--part` wrote",
                         path_.string()));
     }
 
@@ -425,8 +425,7 @@ void StateFile::add_band(std::size_t band, FilmState& film) const {
 
 void StateFile::fail_damaged() const {
     throw FileError(
-        fmt::format("{} is damaged: its checksum does not match; use an older copy or render again "
-                    "without --resume",
+        fmt::format("{} is damaged: its checksum does not match; get it again, or render it again",
                     path_.string()));
 }
 

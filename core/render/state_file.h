@@ -4,8 +4,8 @@
 /// A part of a render (`lucerna render --part`) also says which samples it was to have.
 ///
 /// It is an OpenEXR picture that any viewer shows. After the picture's end, where viewers do not
-/// look, follow the film's sums in bands of rows, packed (packed_sums.h), then the size and the hash
-/// of each band, and at the very end a trailer. Hashes cover every byte.
+/// look, follow the film's sums in bands of rows, packed (packed_sums.h), then the size and the
+/// hash of each band, and at the very end a trailer. Hashes cover every byte.
 #pragma once
 
 #include "core/image/file_bytes.h"

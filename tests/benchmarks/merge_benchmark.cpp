@@ -91,11 +91,13 @@ void measure(std::uint64_t parts, const fs::path& folder, Vector2i size) {
     fmt::print("{} parts of {} x {} pixels: {:.0f} MB each, written in {:.2f} s each\n", parts,
                size.x, size.y, static_cast<double>(bytes) / count * 1e-6, writing / count);
     const std::uint64_t memory_before = peak_memory();
+    const double cpu_before = cpu_seconds();
     const Clock::time_point start = Clock::now();
     const RenderState merged = merge_states(files);
     const double merging = seconds_since(start);
-    fmt::print("merged in {:.2f} s: {:.0f} ms for each part, {} spp\n", merging,
-               1000 * merging / count, merged.film.complete_samples());
+    fmt::print("merged in {:.2f} s, {:.0f} ms for each part ({:.2f} s of processor time): {} spp\n",
+               merging, 1000 * merging / count, cpu_seconds() - cpu_before,
+               merged.film.complete_samples());
     fmt::print("peak memory: {} MB before merging (writing), {} MB after\n",
                memory_before / 1000000, peak_memory() / 1000000);
     for (const fs::path& file : files) fs::remove(file);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Renders in parts: `lucerna render --part` and `lucerna merge`, killed and started again.
 #include "core/math/sequences.h"
+#include "core/plugin/registry.h"
 #include "core/render/state_file.h"
 #include "tests/commands/render_command.h"
 #include "tests/core/render/films.h"
@@ -315,6 +316,19 @@ TEST_F(PartsTest, WhatDoesNotFitTogetherIsRefused) {
         refusal({"a.exr"}),
         "4 of 8 samples per pixel are missing: 4-7; render the parts that have them, or merge "
         "with --partial\n");
+    ImageFile old = read_exr(folder / "a.exr");
+    old.metadata["lucerna:state"] = 3;
+    old.metadata["lucerna:version"] = "0.0.9";
+    write_exr(folder / "old.exr", old);
+    EXPECT_EQ(
+        refusal({"a.exr", "old.exr"}, exit_code::file),
+        "old.exr was written by Lucerna 0.0.9 with version 3 of its states; this is Lucerna " +
+            std::string(core_version()) +
+            " with version 5, which cannot continue it; render it again\n");
+    render({"-q", "--spp", "1", "-o", "picture"});
+    EXPECT_EQ(refusal({"picture.exr"}, exit_code::file),
+              "picture.exr is not the state of a render; give a file that `lucerna render "
+              "--checkpoint` or `--part` wrote\n");
     EXPECT_EQ(refusal({"nothing.exr"}, exit_code::file), "nothing.exr: there is no such file\n");
     EXPECT_EQ(refusal({}, exit_code::usage), "lucerna merge: name the files to be merged\n");
     EXPECT_EQ(refusal({"good.exr"}, exit_code::usage),
