@@ -77,11 +77,10 @@ TEST_F(MergeStates, InStepsIsOneRender) {
 }
 
 TEST_F(MergeStates, RefusesPixelsWithDifferentSamples) {
-    const auto a = part("a", {0, 7});
-    FilmState film(film_layout(*scene), 7);
+    FilmState film(square_layout(4));
     add_sample(film, 0, grey_sample(1));
     write_state(folder / "cut", film, identity, 0);
-    EXPECT_EQ(refusal({a, folder / "cut"}),
+    EXPECT_EQ(refusal({folder / "cut"}),
               "cut was interrupted in the middle of a pass: not all of its pixels have the same "
               "samples; finish it by running its `lucerna render` once more");
 }
