@@ -77,7 +77,9 @@ void add_record(PartRecord& all, const PartRecord& part) {
     all.all_samples = std::max(all.all_samples, part.all_samples);
     all.time_limit = std::max(all.time_limit, part.time_limit);
     all.parts += std::max(part.parts, 1);
-    all.begin = std::min(all.begin, part.begin);
+    // Only parts say when they began.
+    const bool both_known = all.begin > 0 && part.begin > 0;
+    all.begin = both_known ? std::min(all.begin, part.begin) : std::max(all.begin, part.begin);
     all.end = std::max(all.end, part.end);
 }
 

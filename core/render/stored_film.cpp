@@ -51,6 +51,7 @@ StoredFilm::StoredFilm(const std::string& text, Registry& registry) {
     element.kind = Film::kind;
     std::istringstream lines(text);
     std::getline(lines, element.type);
+    if (element.type.empty()) element.type = "hdrfilm";
     for (std::string line; std::getline(lines, line);) {
         const std::size_t equals = std::min(line.find('='), line.size());
         const std::size_t value = std::min(equals + 1, line.size());

@@ -20,7 +20,7 @@ std::string film_text(const Description& description);
 /// A film made of such text, for Film::write and Film::extension.
 class StoredFilm {
 public:
-    /// Throws Error if the text says nothing that the plugin understands.
+    /// An empty text is the default film. Throws Error for parameters that the plugin refuses.
     StoredFilm(const std::string& text, Registry& registry);
     const Film& operator*() const { return *film_; }
 

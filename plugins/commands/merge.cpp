@@ -95,6 +95,11 @@ RenderFigures figures_of(const RenderState& state) {
     return figures;
 }
 
+/// From the beginning of the first part to the end of the last one, if they tell.
+std::optional<double> wall_seconds(const PartRecord& part) {
+    return part.begin > 0 ? std::optional(part.end - part.begin) : std::nullopt;
+}
+
 /// Throws Error, unless `partial`, if parts are absent; tells which samples are missing.
 void tell_missing(const PartRecord& part, bool partial) {
     const SampleRanges absent = absent_samples(part), unfinished = unfinished_samples(part);
@@ -167,20 +172,19 @@ void Merge::write_picture(const RenderState& state, const RenderFigures& figures
     }
     image.metadata["lucerna:parts"] = state.part.parts;
     image.metadata["lucerna:samples"] = state.part.samples.text();
-    image.metadata["lucerna:wall_seconds"] = state.part.end - state.part.begin;
+    if (const auto wall = wall_seconds(state.part)) image.metadata["lucerna:wall_seconds"] = *wall;
     write_pictures(*film, image, paths_, view);
 }
 
 void Merge::print(const RenderState& state, const RenderFigures& figures) const {
     const PartRecord& part = state.part;
-    const double wall = part.end - part.begin;
     if (request_.json) {
         Json json = Json::object();
         json.set("schema", 1).set("scene", part.scene).set("parts", part.parts);
         json.set("samples", part.samples.text()).set("all_samples", part.all_samples);
         json.set("missing_samples", absent_samples(part).text());
         json.set("unfinished_samples", unfinished_samples(part).text());
-        json.set("wall_seconds", wall);
+        if (const auto wall = wall_seconds(part)) json.set("wall_seconds", *wall);
         if (!request_.output.empty()) {
             json.set("images", std::vector<std::string>{paths_.exr.string(), paths_.png.string()});
         }
@@ -190,8 +194,9 @@ void Merge::print(const RenderState& state, const RenderFigures& figures) const 
         return;
     }
     if (request_.quiet) return;
-    fmt::print("{} parts: {} spp, rendered in {:.2f} s of all machines, {:.2f} s from begin to end",
-               part.parts, figures.samples, state.seconds, wall);
+    fmt::print("{} parts: {} spp, rendered in {:.2f} s of all machines", part.parts,
+               figures.samples, state.seconds);
+    if (const auto wall = wall_seconds(part)) fmt::print(", {:.2f} s from begin to end", *wall);
     fmt::print("{}\n", error_text(figures));
     if (!request_.output.empty()) {
         fmt::print("{}\n{}\n", paths_.exr.string(), paths_.png.string());

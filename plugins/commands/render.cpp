@@ -162,7 +162,8 @@ RenderOptions Rendering::options(double earlier_seconds) {
 }
 
 void Rendering::save_state(const FilmState& film, double seconds) const {
-    write_state(request_.checkpoint, film, session_.identity(request_.seed), seconds);
+    write_state(request_.checkpoint, film, session_.identity(request_.seed), seconds,
+                session_.record());
 }
 
 void Rendering::print(const RenderResult& result) const {

@@ -120,6 +120,18 @@ TEST_F(PartsTest, TheMergedStateCanBeRefined) {
         "all parts with `lucerna merge --state`\n");
 }
 
+TEST_F(PartsTest, CheckpointsCanBeMergedWithParts) {
+    render({"-q", "-o", "whole", "--spp", "16", "--set", "sensor.film.pixel_format=luminance"});
+    render({"-q", "-o", "first", "--spp", "8", "--checkpoint", "first_state.exr", "--set",
+            "sensor.film.pixel_format=luminance"});
+    render_part(2, 2, {"--spp", "16", "--set", "sensor.film.pixel_format=luminance"});
+    merge({"parts/2.exr", "first_state.exr", "-q", "-o", "merged"});
+    expect_same_pictures("whole", "merged");
+    merge({"first_state.exr", "-q", "-o", "merged"});
+    expect_same_pictures("first", "merged");
+    EXPECT_FALSE(read_exr(folder / "merged.exr").metadata.contains("lucerna:wall_seconds"));
+}
+
 TEST_F(PartsTest, MetadataTellWhatItTook) {
     for (const int part : {1, 2}) render_part(part, 2, {"--spp", "8"});
     merge({"parts/1.exr", "parts/2.exr", "-q", "-o", "merged"});

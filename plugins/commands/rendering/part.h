@@ -10,7 +10,6 @@
 #include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/progress.h"
-#include "core/render/stored_film.h"
 #include "plugins/commands/rendering/request.h"
 
 #include <fmt/format.h>
@@ -202,16 +201,14 @@ inline void PartRendering::save_checkpoint(const FilmState& film, double seconds
 }
 
 inline PartRecord PartRendering::record() const {
-    return {.planned = SampleRanges(range_),
-            .all_samples = all_samples_,
-            .time_limit = request_.budget.seconds.value_or(0),
-            .parts = 1,
-            .begin = begin_,
-            .end = time_of_day(),
-            .scene = request_.scene,
-            .integrator = session_.integrator(),
-            .light_sampler = session_.light_sampler(),
-            .film = film_text(session_.description())};
+    PartRecord part = session_.record();
+    part.planned = SampleRanges(range_);
+    part.all_samples = all_samples_;
+    part.time_limit = request_.budget.seconds.value_or(0);
+    part.parts = 1;
+    part.begin = begin_;
+    part.end = time_of_day();
+    return part;
 }
 
 inline void PartRendering::save(const std::filesystem::path& path, const FilmState& film,
