@@ -2,6 +2,7 @@
 #include "core/render/session.h"
 
 #include "core/interfaces/light_sampler.h"
+#include "core/render/stored_film.h"
 #include "core/scene/builder.h"
 #include "core/scene/xml_reader.h"
 
@@ -30,7 +31,7 @@ RayStatistics difference(const RayStatistics& after, const RayStatistics& before
 }  // namespace
 
 Session::Session(const SessionSettings& settings)
-    : workers_(settings.threads), registry_(settings.plugin_folders) {
+    : workers_(settings.threads), scene_file_(settings.scene), registry_(settings.plugin_folders) {
     Diagnostics diagnostics;
     const Clock::time_point start = Clock::now();
     ReadOptions options;
@@ -87,13 +88,22 @@ RenderResult Session::render(RenderOptions options, std::optional<RenderState> f
     return result;
 }
 
-std::string Session::light_sampler() const {
-    const std::string folder = plugin_folder(LightSampler::kind) + "/";
+std::string Session::opened(const char* kind) const {
+    const std::string folder = plugin_folder(kind) + "/";
     std::vector<std::string> names;
     for (const std::string& name : registry_.opened()) {
         if (name.starts_with(folder)) names.push_back(name.substr(folder.size()));
     }
     return join(names);
+}
+
+std::string Session::light_sampler() const { return opened(LightSampler::kind); }
+
+PartRecord Session::record() const {
+    return {.scene = scene_file_.string(),
+            .integrator = integrator(),
+            .light_sampler = light_sampler(),
+            .film = film_text(description_)};
 }
 
 }  // namespace lucerna

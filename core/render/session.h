@@ -55,11 +55,18 @@ public:
     /// the sampler's `sample_count`; `options.threads` 0 the session's.
     RenderResult render(RenderOptions options, std::optional<RenderState> from = {}) const;
 
-private:
+    /// Types, or empty if there is none: "path", "cache".
+    std::string integrator() const { return opened(Integrator::kind); }
     std::string light_sampler() const;
+    /// What states say of their scene.
+    PartRecord record() const;
+
+private:
+    std::string opened(const char* kind) const;
 
     /// First of all, since it tells TBB how many threads there may be.
     Workers workers_;
+    std::filesystem::path scene_file_;
     Registry registry_;
     Description description_;
     std::vector<Diagnostic> warnings_;

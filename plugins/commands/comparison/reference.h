@@ -104,7 +104,7 @@ public:
         const double seconds = earlier + result.figures.render_seconds;
         const RenderIdentity identity = session_.identity(seed_);
         if (result.film.complete_samples() > 0) {
-            write_state(path_, result.film, identity, seconds);
+            write_state(path_, result.film, identity, seconds, session_.record());
         }
         if (result.interrupted) return {};
         return reference_from({std::move(result.film), identity, seconds}, path_);
