@@ -6,6 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <string>
@@ -41,9 +43,18 @@ std::string remedy(int error) {
     }
 }
 
+/// The same may succeed later, or on another machine.
+bool may_pass(int error) {
+    constexpr std::array passing = {ENOSPC, EDQUOT, EIO,       ESTALE, ETIMEDOUT, EAGAIN,
+                                    ENOLCK, ENFILE, EREMOTEIO, EBUSY,  ENOMEM,    EINTR};
+    return std::find(passing.begin(), passing.end(), error) != passing.end();
+}
+
 [[noreturn]] void fail(const fs::path& path, std::string_view doing, int error) {
-    throw FileError(fmt::format("{}: {} failed: {}; {}", path.string(), doing,
-                                std::generic_category().message(error), remedy(error)));
+    const std::string message = fmt::format("{}: {} failed: {}; {}", path.string(), doing,
+                                            std::generic_category().message(error), remedy(error));
+    if (may_pass(error)) throw TransientFileError(message);
+    throw FileError(message);
 }
 
 /// Closes and, unless kept, removes the file when something throws.
@@ -78,8 +89,9 @@ public:
         struct stat status {};
         if (::stat(path_.c_str(), &status) != 0) fail(target_, "verifying", errno);
         if (static_cast<std::size_t>(status.st_size) != size) {
-            throw FileError(fmt::format("{}: {} of {} bytes arrived on the disk; {}",
-                                        target_.string(), status.st_size, size, remedy(ENOSPC)));
+            throw TransientFileError(fmt::format("{}: {} of {} bytes arrived on the disk; {}",
+                                                 target_.string(), status.st_size, size,
+                                                 remedy(ENOSPC)));
         }
     }
 

@@ -196,7 +196,9 @@ void read_planes(Imf::InputFile& input, ImageFile& file) {
     input.readPixels(window.min.y, window.max.y);
 }
 
-ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name) {
+enum class Content { all, header };
+
+ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name, Content content) {
     prepare_library();
     const int parts = check_exr_header(bytes);
     MemoryInput stream(bytes, name);
@@ -228,7 +230,7 @@ ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name) {
     if (parts > 1) file.notice = fmt::format("it has {} parts, of which the first is used", parts);
     file.metadata = metadata_of(header);
     file.chromaticities = chromaticities_of(header);
-    read_planes(input, file);
+    if (content == Content::all) read_planes(input, file);
     return file;
 }
 
@@ -272,9 +274,8 @@ std::vector<half> to_half(const std::vector<float>& values, std::size_t& clamped
     return result;
 }
 
-}  // namespace
-
-ImageFile decode_exr(std::span<const std::uint8_t> bytes, const std::string& name) {
+ImageFile decode_safely(std::span<const std::uint8_t> bytes, const std::string& name,
+                        Content content) {
     // Flag 0x800 of the version field: deep data, whose readers are best never entered.
     constexpr int deep_flag = 0x800;
     int version = 0;
@@ -283,7 +284,7 @@ ImageFile decode_exr(std::span<const std::uint8_t> bytes, const std::string& nam
         throw FileError(fmt::format("{}: holds deep data; flatten it to an ordinary image", name));
     }
     try {
-        return decode(bytes, name);
+        return decode(bytes, name, content);
     } catch (const std::bad_alloc&) {
         throw FileError(fmt::format("{}: does not fit into memory, or is damaged", name));
     } catch (const FileError& error) {
@@ -294,6 +295,16 @@ ImageFile decode_exr(std::span<const std::uint8_t> bytes, const std::string& nam
         throw FileError(fmt::format("{}: is damaged or not an OpenEXR image: {}; get it again",
                                     name, error.what()));
     }
+}
+
+}  // namespace
+
+ImageFile decode_exr(std::span<const std::uint8_t> bytes, const std::string& name) {
+    return decode_safely(bytes, name, Content::all);
+}
+
+ImageFile decode_exr_header(std::span<const std::uint8_t> bytes, const std::string& name) {
+    return decode_safely(bytes, name, Content::header);
 }
 
 ImageFile read_exr(const std::filesystem::path& path) {

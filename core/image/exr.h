@@ -28,6 +28,9 @@ ImageFile read_exr(const std::filesystem::path& path);
 /// The same from memory; `name` is what errors call it.
 ImageFile decode_exr(std::span<const std::uint8_t> bytes, const std::string& name);
 
+/// All but the pixels: no planes.
+ImageFile decode_exr_header(std::span<const std::uint8_t> bytes, const std::string& name);
+
 /// Writes `file` so that it is there completely or not at all (atomic_file.h), with ZIP unless
 /// said otherwise and Rec.709 chromaticities unless `file` has its own. Finite values beyond ±65504
 /// in planes marked half are written as ±65504; returns how many there were. Throws Error for

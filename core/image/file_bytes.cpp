@@ -4,15 +4,19 @@
 #include "core/math/sequences.h"
 #include "core/plugin/error.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <new>
 #include <span>
 #include <system_error>
+#include <utility>
 
 namespace lucerna {
 
@@ -56,8 +60,9 @@ void read(OpenFile& file, std::span<std::uint8_t> bytes, const std::filesystem::
     const auto wanted = static_cast<std::streamsize>(bytes.size());
     file.stream.read(reinterpret_cast<char*>(bytes.data()), wanted);
     if (file.stream.gcount() == wanted) return;
-    throw FileError(fmt::format("{}: {} of its {} bytes could not be read; is it being written?",
-                                path.string(), wanted - file.stream.gcount(), file.size));
+    throw TransientFileError(
+        fmt::format("{}: {} of its {} bytes could not be read; is it being written?", path.string(),
+                    wanted - file.stream.gcount(), file.size));
 }
 
 }  // namespace
@@ -75,27 +80,97 @@ std::vector<std::uint8_t> read_file_bytes(const std::filesystem::path& path) {
     return bytes;
 }
 
+FileReader::FileReader(const std::filesystem::path& path)
+    : path_(path), descriptor_(-1), size_(open_file(path).size) {
+    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor_ < 0) {
+        throw TransientFileError(fmt::format("{}: opening failed: {}; try again", path.string(),
+                                             std::generic_category().message(errno)));
+    }
+}
+
+FileReader::FileReader(FileReader&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(other.size_) {}
+
+FileReader::~FileReader() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void FileReader::read(std::uint64_t offset, std::span<std::uint8_t> bytes) const {
+    while (!bytes.empty()) {
+        const ssize_t count =
+            ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) {
+            throw TransientFileError(fmt::format("{}: reading failed: {}; try again",
+                                                 path_.string(),
+                                                 std::generic_category().message(errno)));
+        }
+        if (count == 0) {
+            throw FileError(fmt::format("{}: it ends too early; get it again", path_.string()));
+        }
+        bytes = bytes.subspan(static_cast<std::size_t>(count));
+        offset += static_cast<std::uint64_t>(count);
+    }
+}
+
+namespace {
+
+/// Four chains, because each multiplication waits for the one before it.
+class ChainedHash {
+public:
+    /// The last words are filled up with zeros; the size tells them from such contents.
+    void add(std::span<const std::uint8_t> bytes) {
+        size_ += bytes.size();
+        Words words;
+        for (; bytes.size() >= sizeof words; bytes = bytes.subspan(sizeof words)) {
+            std::memcpy(words.data(), bytes.data(), sizeof words);
+            add(words);
+        }
+        if (bytes.empty()) return;
+        words.fill(0);
+        std::memcpy(words.data(), bytes.data(), bytes.size());
+        add(words);
+    }
+    std::uint64_t value() const {
+        return hash64({size_, chains_[0], chains_[1], chains_[2], chains_[3]});
+    }
+
+private:
+    using Words = std::array<std::uint64_t, 4>;
+
+    void add(const Words& words) {
+        for (std::size_t k = 0; k < words.size(); ++k) {
+            const std::uint64_t mixed = (chains_[k] ^ words[k]) * 0x9e3779b97f4a7c15u;
+            chains_[k] = mixed ^ mixed >> 32;
+        }
+    }
+
+    std::uint64_t size_ = 0;
+    Words chains_ = {1, 2, 3, 4};
+};
+
+}  // namespace
+
+std::uint64_t hash_of_bytes(std::span<const std::uint8_t> bytes) {
+    ChainedHash hash;
+    hash.add(bytes);
+    return hash.value();
+}
+
 std::uint64_t hash_of_file(const std::filesystem::path& path) {
     OpenFile file = open_file(path);
-    // Four chains, because each multiplication waits for the one before it.
-    std::array<std::uint64_t, 4> chains = {1, 2, 3, 4};
+    ChainedHash hash;
     std::vector<std::uint8_t> block(std::size_t{1} << 18);
     for (std::uintmax_t left = file.size; left > 0;) {
         const std::size_t count = std::min<std::uintmax_t>(left, block.size());
         read(file, std::span(block).first(count), path);
-        // The last words are filled up with zeros; the size tells them from such contents.
-        std::fill(block.begin() + static_cast<std::ptrdiff_t>(count), block.end(), std::uint8_t{0});
-        for (std::size_t i = 0; i < count; i += sizeof chains) {
-            std::array<std::uint64_t, 4> words;
-            std::memcpy(words.data(), block.data() + i, sizeof words);
-            for (std::size_t k = 0; k < words.size(); ++k) {
-                const std::uint64_t mixed = (chains[k] ^ words[k]) * 0x9e3779b97f4a7c15u;
-                chains[k] = mixed ^ mixed >> 32;
-            }
-        }
+        hash.add(std::span(block).first(count));
         left -= count;
     }
-    return hash64({file.size, chains[0], chains[1], chains[2], chains[3]});
+    return hash.value();
 }
 
 }  // namespace lucerna

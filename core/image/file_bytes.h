@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 namespace lucerna {
@@ -11,6 +12,28 @@ namespace lucerna {
 /// The bytes of a regular file. Throws FileError for a missing or unreadable file, a directory, and
 /// for pipes and devices, which could block or never end.
 std::vector<std::uint8_t> read_file_bytes(const std::filesystem::path& path);
+
+/// A regular file that is read in pieces, by several threads if need be.
+class FileReader {
+public:
+    /// Throws as read_file_bytes.
+    explicit FileReader(const std::filesystem::path& path);
+    ~FileReader();
+    FileReader(FileReader&& other) noexcept;
+    FileReader& operator=(FileReader&&) = delete;
+
+    std::uint64_t size() const { return size_; }
+    /// Fills `bytes` with what begins at `offset`. Throws FileError if there is not so much.
+    void read(std::uint64_t offset, std::span<std::uint8_t> bytes) const;
+
+private:
+    std::filesystem::path path_;
+    int descriptor_;
+    std::uint64_t size_;
+};
+
+/// Of bytes in memory: any change of one byte changes it. The same on little-endian machines.
+std::uint64_t hash_of_bytes(std::span<const std::uint8_t> bytes);
 
 /// A hash of size and contents, to tell whether a file has changed: no protection against malice.
 /// The same on every little-endian machine. Throws as read_file_bytes.

@@ -18,6 +18,7 @@ inline constexpr int scene = 3;          ///< the scene or the colour configurat
 inline constexpr int plugin = 4;         ///< a plugin library cannot be loaded
 inline constexpr int file = 5;           ///< a file cannot be read or written
 inline constexpr int comparison = 6;     ///< images differ by more than was allowed
+inline constexpr int try_again = 75;     ///< a file cannot be read or written, but may be later
 inline constexpr int interrupted = 130;  ///< stopped by SIGINT or SIGTERM, image written
 }  // namespace exit_code
 

@@ -12,6 +12,7 @@ namespace lucerna {
 Error::~Error() = default;
 PluginError::~PluginError() = default;
 FileError::~FileError() = default;
+TransientFileError::~TransientFileError() = default;
 SceneError::~SceneError() = default;
 
 namespace {

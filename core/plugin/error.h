@@ -34,6 +34,13 @@ public:
     ~FileError() override;
 };
 
+/// The same for a reason that may pass: a full disk, a network file system that has failed.
+class TransientFileError : public FileError {
+public:
+    using FileError::FileError;
+    ~TransientFileError() override;
+};
+
 /// The text of a scene file, kept so that messages can show the line they speak of.
 struct SourceFile {
     std::string path;

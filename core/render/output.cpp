@@ -49,10 +49,9 @@ PictureView picture_view(const std::string& name, double exposure) {
     return view;
 }
 
-ImageFile annotated_image(const RenderResult& result, const std::string& command,
-                          const std::string& scene) {
-    const RenderFigures& figures = result.figures;
-    ImageFile image = result.film.resolve();
+ImageFile annotated_image(const FilmState& film, const RenderFigures& figures,
+                          const std::string& command, const std::string& scene) {
+    ImageFile image = film.resolve();
     Metadata& metadata = image.metadata;
     metadata["lucerna:version"] = std::string(core_version());
     metadata["lucerna:built_with"] = std::string(core_built_with());

@@ -34,8 +34,8 @@ struct PictureView {
 PictureView picture_view(const std::string& name, double exposure);
 
 /// The image and, as metadata, what made it: command line, scene, seed, samples, seconds, error.
-ImageFile annotated_image(const RenderResult& result, const std::string& command,
-                          const std::string& scene);
+ImageFile annotated_image(const FilmState& film, const RenderFigures& figures,
+                          const std::string& command, const std::string& scene);
 
 /// Writes both files; the film decides how its own kind of file looks. Throws FileError.
 void write_pictures(const Film& film, const ImageFile& image, const PicturePaths& paths,

@@ -87,13 +87,15 @@ RenderResult Session::render(RenderOptions options, std::optional<RenderState> f
     return result;
 }
 
-std::string Session::light_sampler() const {
-    const std::string folder = plugin_folder(LightSampler::kind) + "/";
+std::string Session::opened(const char* kind) const {
+    const std::string folder = plugin_folder(kind) + "/";
     std::vector<std::string> names;
     for (const std::string& name : registry_.opened()) {
         if (name.starts_with(folder)) names.push_back(name.substr(folder.size()));
     }
     return join(names);
 }
+
+std::string Session::light_sampler() const { return opened(LightSampler::kind); }
 
 }  // namespace lucerna

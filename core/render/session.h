@@ -55,8 +55,12 @@ public:
     /// the sampler's `sample_count`; `options.threads` 0 the session's.
     RenderResult render(RenderOptions options, std::optional<RenderState> from = {}) const;
 
-private:
+    /// Types, or empty if there is none: "path", "cache".
+    std::string integrator() const { return opened(Integrator::kind); }
     std::string light_sampler() const;
+
+private:
+    std::string opened(const char* kind) const;
 
     /// First of all, since it tells TBB how many threads there may be.
     Workers workers_;

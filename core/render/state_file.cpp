@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/state_file.h"
 
+#include "core/image/atomic_file.h"
 #include "core/image/exr.h"
 #include "core/math/sequences.h"
-#include "core/plugin/error.h"
 #include "core/plugin/registry.h"
+#include "core/render/packed_sums.h"
+#include "core/render/parallel.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +14,7 @@
 #include <charconv>
 #include <cstddef>
 #include <cstring>
-#include <type_traits>
+#include <optional>
 
 namespace lucerna {
 
@@ -20,80 +22,172 @@ namespace fs = std::filesystem;
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the order of words in a state file");
-static_assert(sizeof(ExactSum) == 16, "a sum is four words");
+static_assert(std::endian::native == std::endian::little, "the order of bytes in a state file");
 
-constexpr int state_format = 3;
-constexpr const char* word_names[4] = {"high0", "high1", "low0", "low1"};
+constexpr int state_format = 5;
+constexpr int rows_of_band = 16;
+constexpr std::size_t alpha_channel = 3;
 
-/// Calls visit(name, first, stride) for every plane of the state in a fixed order: the plane's
-/// 32-bit words lie at `first`, `first` + `stride`, … bytes.
-template <typename State, typename Visit>
-void visit_planes(State& film, const Visit& visit) {
-    using Byte = std::conditional_t<std::is_const_v<State>, const std::byte, std::byte>;
-    const std::size_t sum_count = film.sum_count();
-    std::vector<std::string> names = film.channel_names();
-    if (film.layout().unfiltered) {
-        for (const char* color : {"R", "G", "B"})
-            names.push_back(fmt::format("unfiltered.{}", color));
-    }
-    auto* sums = reinterpret_cast<Byte*>(film.sums().data());
-    auto* weights = reinterpret_cast<Byte*>(film.weights().data());
-    auto* counts = reinterpret_cast<Byte*>(film.counts().data());
-    visit("state.dropped", reinterpret_cast<Byte*>(film.dropped().data()), std::size_t{4});
-    visit("state.even.samples", counts, std::size_t{8});
-    visit("state.odd.samples", counts + 4, std::size_t{8});
-    auto* squares = reinterpret_cast<Byte*>(film.squares().data());
-    for (std::size_t word = 0; word < 4; ++word) {
-        visit(fmt::format("state.squares.{}", word_names[word]), squares + 4 * word,
-              sizeof(ExactSum));
-    }
-    const std::size_t bins = film.bin_count();
-    for (std::size_t bin = 0; bin < bins; ++bin) {
-        const std::string name =
-            fmt::format("state.{}{}", bin & 1 ? "odd" : "even", bin & 2 ? ".negative" : "");
-        visit(name + ".weight0", weights + 8 * bin, 8 * bins);
-        visit(name + ".weight1", weights + 8 * bin + 4, 8 * bins);
-        for (std::size_t sum = 0; sum < sum_count; ++sum) {
-            for (std::size_t word = 0; word < 4; ++word) {
-                visit(fmt::format("{}.{}.{}", name, names[sum], word_names[word]),
-                      sums + 16 * (bin * sum_count + sum) + 4 * word, 16 * bins * sum_count);
-            }
-        }
-    }
-}
+/// The end of a state file.
+struct StateTrailer {
+    std::uint64_t picture_size = 0;  ///< of the OpenEXR file at the beginning [bytes]
+    std::uint64_t band_count = 0;
+    std::uint64_t hash = 0;  ///< of the picture and of the index
+    std::uint64_t magic = 0;
+};
+constexpr std::uint64_t state_magic = 0x4554415453435554;  // "TUCSTATE"
 
-/// What the planes do not say.
-struct Header {
-    std::string version, layers;
-    std::uint64_t scene_hash, seed, first_sample;
-    CropWindow crop;
-    bool unfiltered;
-    int block, reach;
-    double negative_weight, noise_correlation, seconds;
-
-    /// Not of the seconds: two states with the same sums have the same checksum.
-    std::uint64_t hash() const {
-        std::uint64_t h =
-            hash64({scene_hash, seed, first_sample, std::bit_cast<std::uint64_t>(negative_weight),
-                    std::bit_cast<std::uint64_t>(noise_correlation), unfiltered,
-                    static_cast<std::uint64_t>(block), static_cast<std::uint64_t>(reach)});
-        for (const int x : {crop.offset.x, crop.offset.y, crop.size.x, crop.size.y}) {
-            h = hash_combine(h, static_cast<std::uint64_t>(x));
-        }
-        for (const char c : version + "\n" + layers) {
-            h = hash_combine(h, static_cast<unsigned char>(c));
-        }
-        return h;
-    }
+/// What the index says of a band.
+struct BandEntry {
+    std::uint64_t size = 0, hash = 0;
 };
 
-std::uint64_t checksum(std::uint64_t h, std::span<const std::uint32_t> words) {
-    for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
-        h = hash_combine(h, std::uint64_t{words[i]} << 32 | words[i + 1]);
-    }
-    return words.size() % 2 == 0 ? h : hash_combine(h, words.back());
+std::span<const std::uint8_t> as_bytes(const std::string& text) {
+    return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
+
+template <typename T>
+std::span<std::uint8_t> as_bytes_of(T* first, std::size_t count) {
+    return {reinterpret_cast<std::uint8_t*>(first), count * sizeof(T)};
+}
+
+std::uint64_t hash_of_index(std::span<const std::uint8_t> picture, std::span<BandEntry> index) {
+    return hash64({hash_of_bytes(picture), hash_of_bytes(as_bytes_of(index.data(), index.size()))});
+}
+
+/// Pixels begin … end − 1 of those that are sampled.
+struct PixelRange {
+    std::size_t begin, end;
+    std::size_t size() const { return end - begin; }
+};
+
+std::size_t band_count_of(const FilmLayout& layout) {
+    return static_cast<std::size_t>((layout.sampled().size.y + rows_of_band - 1) / rows_of_band);
+}
+
+PixelRange pixels_of_band(const FilmLayout& layout, std::size_t band) {
+    const Vector2i size = layout.sampled().size;
+    const int first = static_cast<int>(band) * rows_of_band;
+    const int end = std::min(first + rows_of_band, size.y);
+    const auto index = [&](int row) {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(size.x);
+    };
+    return {.begin = index(first), .end = index(end)};
+}
+
+/// An integer as the sum of two doubles, exactly.
+ExactSum sum_of(std::int64_t x) {
+    const auto high = static_cast<double>(x);
+    return {.high = high, .low = static_cast<double>(x - static_cast<std::int64_t>(high))};
+}
+
+/// Every second number, every fourth, …: as the film keeps those of its bins.
+template <typename Integer>
+std::vector<ExactSum> sums_of(std::span<const Integer> numbers, PixelRange pixels,
+                              std::size_t stride, std::size_t first) {
+    std::vector<ExactSum> sums;
+    sums.reserve(pixels.size());
+    for (std::size_t i = pixels.begin; i < pixels.end; ++i) {
+        sums.push_back(sum_of(static_cast<std::int64_t>(numbers[i * stride + first])));
+    }
+    return sums;
+}
+
+void pack(const std::vector<ExactSum>& sums, std::string& bytes) {
+    pack_sums({.first = sums.data(), .count = sums.size()}, bytes);
+}
+
+/// Alpha times weight is mostly the weight itself.
+enum class AlphaSums : char { packed = 0, weights = 1 };
+
+/// The sums of some pixels, in the order in which BandAdder takes them.
+std::string packed_band(const FilmState& film, PixelRange pixels) {
+    std::string bytes;
+    pack(sums_of(film.dropped(), pixels, 1, 0), bytes);
+    for (const std::size_t half : {0u, 1u}) {
+        pack(sums_of(film.counts(), pixels, 2, half), bytes);
+    }
+    pack_sums({.first = &film.squares()[pixels.begin], .count = pixels.size()}, bytes);
+    const std::size_t bins = film.bin_count(), channels = film.sum_count();
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+        const std::vector<ExactSum> weights = sums_of(film.weights(), pixels, bins, bin);
+        pack(weights, bytes);
+        for (std::size_t c = 0; c < channels; ++c) {
+            const SumsOf<const ExactSum> sums = {
+                .first = &film.sums()[(pixels.begin * bins + bin) * channels + c],
+                .count = pixels.size(),
+                .stride = bins * channels};
+            if (c == alpha_channel) {
+                bool same = true;
+                for (std::size_t i = 0; i < sums.count && same; ++i) {
+                    same = sums[i].high == weights[i].high && sums[i].low == weights[i].low;
+                }
+                bytes += static_cast<char>(same ? AlphaSums::weights : AlphaSums::packed);
+                if (same) continue;
+            }
+            pack_sums(sums, bytes);
+        }
+    }
+    return bytes;
+}
+
+/// Adds the packed sums of some pixels to a film.
+class BandAdder {
+public:
+    BandAdder(std::span<const std::uint8_t> bytes, PixelRange pixels, FilmState& film)
+        : packed_(bytes), pixels_(pixels), film_(film), numbers_(pixels.size()) {}
+
+    /// Returns false if the bytes are not what packed_band makes.
+    [[nodiscard]] bool add() {
+        bool right = add_numbers(film_.dropped(), 1, 0);
+        for (const std::size_t half : {0u, 1u}) {
+            right = right && add_numbers(film_.counts(), 2, half);
+        }
+        right = right &&
+                packed_.add_to({.first = &film_.squares()[pixels_.begin], .count = pixels_.size()});
+        for (std::size_t bin = 0; bin < film_.bin_count() && right; ++bin) right = add_bin(bin);
+        return right && packed_.at_end();
+    }
+
+private:
+    template <typename Integer>
+    bool add_numbers(std::span<Integer> numbers, std::size_t stride, std::size_t first) {
+        std::fill(numbers_.begin(), numbers_.end(), ExactSum());
+        if (!packed_.add_to({.first = numbers_.data(), .count = numbers_.size()})) return false;
+        for (std::size_t i = 0; i < pixels_.size(); ++i) {
+            numbers[(pixels_.begin + i) * stride + first] +=
+                static_cast<Integer>(static_cast<std::int64_t>(numbers_[i].high) +
+                                     static_cast<std::int64_t>(numbers_[i].low));
+        }
+        return true;
+    }
+
+    bool add_bin(std::size_t bin) {
+        const std::size_t bins = film_.bin_count(), channels = film_.sum_count();
+        if (!add_numbers(film_.weights(), bins, bin)) return false;
+        for (std::size_t c = 0; c < channels; ++c) {
+            const SumsOf<ExactSum> sums = {
+                .first = &film_.sums()[(pixels_.begin * bins + bin) * channels + c],
+                .count = pixels_.size(),
+                .stride = bins * channels};
+            if (c == alpha_channel) {
+                const std::optional<std::uint8_t> alpha = packed_.take_byte();
+                if (!alpha) return false;
+                if (*alpha == static_cast<std::uint8_t>(AlphaSums::weights)) {
+                    for (std::size_t i = 0; i < sums.count; ++i) sums[i].add(numbers_[i]);
+                    continue;
+                }
+            }
+            if (!packed_.add_to(sums)) return false;
+        }
+        return true;
+    }
+
+    PackedSums packed_;
+    PixelRange pixels_;
+    FilmState& film_;
+    std::vector<ExactSum> numbers_;
+};
 
 std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
@@ -122,7 +216,7 @@ public:
     [[noreturn]] void fail() const {
         throw FileError(
             fmt::format("{} is not the state of a render; give a file that "
-                        "`lucerna render --checkpoint` wrote",
+                        "`lucerna render --checkpoint` or `--part` wrote",
                         path_.string()));
     }
 
@@ -131,41 +225,53 @@ private:
     const fs::path& path_;
 };
 
-Header read_header(const MetadataReader& reader) {
-    return {.version = reader.value<std::string>("lucerna:version"),
-            .layers = reader.value<std::string>("lucerna:layers"),
-            .scene_hash = reader.number("lucerna:scene_hash", 16),
-            .seed = reader.number("lucerna:seed", 10),
-            .first_sample = reader.number("lucerna:first_sample", 10),
-            .crop = {.offset = {reader.value<int>("lucerna:crop_x"),
-                                reader.value<int>("lucerna:crop_y")},
-                     .size = {reader.value<int>("lucerna:crop_width"),
-                              reader.value<int>("lucerna:crop_height")}},
-            .unfiltered = reader.value<int>("lucerna:unfiltered") != 0,
-            .block = reader.value<int>("lucerna:block"),
-            .reach = reader.value<int>("lucerna:filter_reach"),
-            .negative_weight = reader.value<double>("lucerna:negative_weight"),
-            .noise_correlation = reader.value<double>("lucerna:noise_correlation"),
-            .seconds = reader.value<double>("lucerna:render_seconds")};
+PartRecord read_part(const MetadataReader& reader) {
+    const auto ranges = [&](const char* name) {
+        const std::optional<SampleRanges> set =
+            SampleRanges::parse(reader.value<std::string>(name));
+        if (!set) reader.fail();
+        return *set;
+    };
+    return {.samples = ranges("lucerna:samples"),
+            .uneven = reader.value<int>("lucerna:uneven") != 0,
+            .planned = ranges("lucerna:planned_samples"),
+            .all_samples = reader.number("lucerna:all_samples", 10),
+            .time_limit = reader.value<double>("lucerna:time_limit"),
+            .parts = reader.value<int>("lucerna:parts"),
+            .begin = reader.value<double>("lucerna:begin_time"),
+            .end = reader.value<double>("lucerna:end_time"),
+            .scene = reader.value<std::string>("lucerna:scene"),
+            .integrator = reader.value<std::string>("lucerna:integrator"),
+            .light_sampler = reader.value<std::string>("lucerna:light_sampler"),
+            .film = reader.value<std::string>("lucerna:film")};
 }
 
-void write_header(const Header& header, Metadata& metadata) {
-    metadata["lucerna:state"] = state_format;
-    metadata["lucerna:version"] = header.version;
-    metadata["lucerna:layers"] = header.layers;
-    metadata["lucerna:scene_hash"] = hex(header.scene_hash);
-    metadata["lucerna:seed"] = std::to_string(header.seed);
-    metadata["lucerna:first_sample"] = std::to_string(header.first_sample);
-    metadata["lucerna:crop_x"] = header.crop.offset.x;
-    metadata["lucerna:crop_y"] = header.crop.offset.y;
-    metadata["lucerna:crop_width"] = header.crop.size.x;
-    metadata["lucerna:crop_height"] = header.crop.size.y;
-    metadata["lucerna:unfiltered"] = header.unfiltered ? 1 : 0;
-    metadata["lucerna:block"] = header.block;
-    metadata["lucerna:filter_reach"] = header.reach;
-    metadata["lucerna:negative_weight"] = header.negative_weight;
-    metadata["lucerna:noise_correlation"] = header.noise_correlation;
-    metadata["lucerna:render_seconds"] = header.seconds;
+void write_part(const PartRecord& part, Metadata& metadata) {
+    metadata["lucerna:samples"] = part.samples.text();
+    metadata["lucerna:uneven"] = part.uneven ? 1 : 0;
+    metadata["lucerna:planned_samples"] = part.planned.text();
+    metadata["lucerna:all_samples"] = std::to_string(part.all_samples);
+    metadata["lucerna:time_limit"] = part.time_limit;
+    metadata["lucerna:parts"] = part.parts;
+    metadata["lucerna:begin_time"] = part.begin;
+    metadata["lucerna:end_time"] = part.end;
+    metadata["lucerna:scene"] = part.scene;
+    metadata["lucerna:integrator"] = part.integrator;
+    metadata["lucerna:light_sampler"] = part.light_sampler;
+    metadata["lucerna:film"] = part.film;
+}
+
+void write_layout(const FilmLayout& layout, Metadata& metadata) {
+    metadata["lucerna:layers"] = join(layout.layers, ",");
+    metadata["lucerna:crop_x"] = layout.crop.offset.x;
+    metadata["lucerna:crop_y"] = layout.crop.offset.y;
+    metadata["lucerna:crop_width"] = layout.crop.size.x;
+    metadata["lucerna:crop_height"] = layout.crop.size.y;
+    metadata["lucerna:unfiltered"] = layout.unfiltered ? 1 : 0;
+    metadata["lucerna:block"] = layout.block;
+    metadata["lucerna:filter_reach"] = layout.reach;
+    metadata["lucerna:negative_weight"] = layout.negative_weight;
+    metadata["lucerna:noise_correlation"] = layout.noise_correlation;
 }
 
 std::vector<std::string> split(const std::string& text) {
@@ -178,87 +284,160 @@ std::vector<std::string> split(const std::string& text) {
     return words;
 }
 
-}  // namespace
-
-void write_state(const fs::path& path, const FilmState& film, const RenderIdentity& identity,
-                 double seconds) {
-    const Header header = {.version = core_version(),
-                           .layers = join(film.layout().layers, ","),
-                           .scene_hash = identity.scene_hash,
-                           .seed = identity.seed,
-                           .first_sample = film.first_sample(),
-                           .crop = film.layout().crop,
-                           .unfiltered = film.layout().unfiltered,
-                           .block = film.layout().block,
-                           .reach = film.layout().reach,
-                           .negative_weight = film.layout().negative_weight,
-                           .noise_correlation = film.layout().noise_correlation,
-                           .seconds = seconds};
-    ImageFile file = film.resolve(film.layout().sampled());
-    write_header(header, file.metadata);
-    std::uint64_t sum = header.hash();
-    visit_planes(film, [&](const std::string& name, const std::byte* first, std::size_t stride) {
-        std::vector<std::uint32_t> words(film.dropped().size());
-        for (std::size_t i = 0; i < words.size(); ++i) {
-            std::memcpy(&words[i], first + i * stride, 4);
-        }
-        sum = checksum(sum, words);
-        file.planes.push_back({.name = name, .samples = std::move(words)});
-    });
-    file.metadata["lucerna:checksum"] = hex(sum);
-    write_exr(path, file);
-}
-
-RenderState read_state(const fs::path& path) {
-    const ImageFile file = read_exr(path);
-    const MetadataReader reader(file.metadata, path);
-    const Header header = read_header(reader);
-    if (reader.value<int>("lucerna:state") != state_format || header.version != core_version()) {
-        throw FileError(
-            fmt::format("{} was written by Lucerna {}, this is {}: images of two "
-                        "versions cannot be continued; render again without --resume",
-                        path.string(), header.version, core_version()));
-    }
-    const FilmLayout layout = {.full_size = {file.full_width, file.full_height},
-                               .crop = header.crop,
-                               .layers = split(header.layers),
-                               .unfiltered = header.unfiltered,
-                               .block = header.block,
-                               .reach = header.reach,
-                               .negative_weight = header.negative_weight,
-                               .noise_correlation = header.noise_correlation};
+/// Of a file whose picture has this size and place.
+FilmLayout read_layout(const MetadataReader& reader, const ImageFile& file) {
+    const FilmLayout layout = {
+        .full_size = {file.full_width, file.full_height},
+        .crop = {.offset = {reader.value<int>("lucerna:crop_x"),
+                            reader.value<int>("lucerna:crop_y")},
+                 .size = {reader.value<int>("lucerna:crop_width"),
+                          reader.value<int>("lucerna:crop_height")}},
+        .layers = split(reader.value<std::string>("lucerna:layers")),
+        .unfiltered = reader.value<int>("lucerna:unfiltered") != 0,
+        .block = reader.value<int>("lucerna:block"),
+        .reach = reader.value<int>("lucerna:filter_reach"),
+        .negative_weight = reader.value<double>("lucerna:negative_weight"),
+        .noise_correlation = reader.value<double>("lucerna:noise_correlation")};
     if (layout.block < 1 || layout.block > 16) reader.fail();
-    const CropWindow sampled = layout.sampled();
     const auto inside = [](Vector2i begin, Vector2i size, Vector2i full) {
         return begin.x >= 0 && begin.y >= 0 && size.x > 0 && size.y > 0 &&
                size.x <= full.x - begin.x && size.y <= full.y - begin.y;
     };
     if (!(layout.reach >= 0 && layout.reach < 1 << 16) ||
-        !inside(layout.crop.offset, layout.crop.size, layout.full_size) ||
-        sampled.offset != Vector2i(file.x, file.y) ||
+        !inside(layout.crop.offset, layout.crop.size, layout.full_size)) {
+        reader.fail();
+    }
+    const CropWindow sampled = layout.sampled();
+    if (sampled.offset != Vector2i(file.x, file.y) ||
         sampled.size != Vector2i(file.width, file.height)) {
         reader.fail();
     }
-    RenderState state = {.film = FilmState(layout, header.first_sample),
-                         .identity = {header.scene_hash, header.seed},
-                         .seconds = header.seconds};
-    std::uint64_t sum = header.hash();
-    visit_planes(state.film, [&](const std::string& name, std::byte* first, std::size_t stride) {
-        const Plane* plane = file.plane(name);
-        const auto* words =
-            plane ? std::get_if<std::vector<std::uint32_t>>(&plane->samples) : nullptr;
-        if (!words || words->size() != state.film.dropped().size()) reader.fail();
-        for (std::size_t i = 0; i < words->size(); ++i) {
-            std::memcpy(first + i * stride, &(*words)[i], 4);
-        }
-        sum = checksum(sum, *words);
-    });
-    if (sum != reader.number("lucerna:checksum", 16)) {
-        throw FileError(
-            fmt::format("{} is damaged: its checksum does not match; use an older copy "
-                        "or render again without --resume",
-                        path.string()));
+    return layout;
+}
+
+/// Before all else: other versions may have written other things.
+void check_version(const MetadataReader& reader, const fs::path& path) {
+    const int format = reader.value<int>("lucerna:state");
+    const auto version = reader.value<std::string>("lucerna:version");
+    if (format == state_format && version == core_version()) return;
+    throw VersionError(
+        fmt::format("{} was written by Lucerna {} with version {} of its states; this is Lucerna "
+                    "{} with version {}, which cannot continue it; render it again",
+                    path.string(), version, format, core_version(), state_format));
+}
+
+/// The OpenEXR file, with all that is known of the state.
+std::string picture_of(const FilmState& film, const RenderIdentity& identity, double seconds,
+                       PartRecord part) {
+    const std::uint64_t complete = film.complete_samples();
+    if (part.samples.empty()) {
+        const std::uint64_t first = film.first_sample();
+        part.samples = SampleRanges({.begin = first, .end = first + complete});
     }
+    part.uneven = film.most_samples() != complete;
+    ImageFile file = film.resolve(film.layout().sampled());
+    Metadata& metadata = file.metadata;
+    metadata["lucerna:state"] = state_format;
+    metadata["lucerna:version"] = core_version();
+    metadata["lucerna:scene_hash"] = hex(identity.scene_hash);
+    metadata["lucerna:seed"] = std::to_string(identity.seed);
+    metadata["lucerna:first_sample"] = std::to_string(film.first_sample());
+    metadata["lucerna:render_seconds"] = seconds;
+    write_layout(film.layout(), metadata);
+    write_part(part, metadata);
+    return encode_exr(file);
+}
+
+}  // namespace
+
+VersionError::~VersionError() = default;
+
+void write_state(const fs::path& path, const FilmState& film, const RenderIdentity& identity,
+                 double seconds, const PartRecord& part) {
+    std::vector<std::string> bands(band_count_of(film.layout()));
+    std::vector<BandEntry> index(bands.size());
+    Workers().run(std::ssize(bands), [&](std::int64_t i) {
+        const auto band = static_cast<std::size_t>(i);
+        bands[band] = packed_band(film, pixels_of_band(film.layout(), band));
+        index[band] = {.size = bands[band].size(), .hash = hash_of_bytes(as_bytes(bands[band]))};
+    });
+    std::string file = picture_of(film, identity, seconds, part);
+    const StateTrailer trailer = {.picture_size = file.size(),
+                                  .band_count = index.size(),
+                                  .hash = hash_of_index(as_bytes(file), index),
+                                  .magic = state_magic};
+    for (std::string& band : bands) {
+        file += band;
+        band = std::string();
+    }
+    file.append(reinterpret_cast<const char*>(index.data()), index.size() * sizeof(BandEntry));
+    file.append(reinterpret_cast<const char*>(&trailer), sizeof trailer);
+    write_file_atomically(path, file);
+}
+
+StateFile::StateFile(const fs::path& path) : path_(path), file_(path) {
+    StateTrailer trailer;
+    if (file_.size() > sizeof trailer) {
+        file_.read(file_.size() - sizeof trailer, as_bytes_of(&trailer, 1));
+    }
+    const std::uint64_t rest = file_.size() - std::min(file_.size(), sizeof trailer);
+    const bool has_trailer =
+        trailer.magic == state_magic && trailer.picture_size <= rest &&
+        trailer.band_count <= (rest - trailer.picture_size) / sizeof(BandEntry);
+    std::vector<std::uint8_t> picture(has_trailer ? trailer.picture_size : file_.size());
+    file_.read(0, picture);
+    read_header(picture);
+    if (!has_trailer || trailer.band_count != band_count_of(layout_)) fail_damaged();
+    std::vector<BandEntry> index(trailer.band_count);
+    const std::uint64_t index_begin = rest - index.size() * sizeof(BandEntry);
+    file_.read(index_begin, as_bytes_of(index.data(), index.size()));
+    if (hash_of_index(picture, index) != trailer.hash) fail_damaged();
+    std::uint64_t offset = trailer.picture_size;
+    for (const BandEntry& band : index) {
+        bands_.push_back({.offset = offset, .size = band.size, .hash = band.hash});
+        offset += band.size;
+    }
+    if (offset != index_begin) fail_damaged();
+}
+
+void StateFile::read_header(std::span<const std::uint8_t> picture) {
+    const ImageFile file = decode_exr_header(picture, path_.string());
+    const MetadataReader reader(file.metadata, path_);
+    check_version(reader, path_);
+    layout_ = read_layout(reader, file);
+    first_sample_ = reader.number("lucerna:first_sample", 10);
+    identity_ = {.scene_hash = reader.number("lucerna:scene_hash", 16),
+                 .seed = reader.number("lucerna:seed", 10)};
+    seconds_ = reader.value<double>("lucerna:render_seconds");
+    part_ = read_part(reader);
+}
+
+void StateFile::add_band(std::size_t band, FilmState& film) const {
+    const Band& entry = bands_[band];
+    // Reused, since pages that are new to a process take longer than all else.
+    thread_local std::vector<std::uint8_t> bytes;
+    bytes.resize(std::max<std::size_t>(bytes.size(), entry.size));
+    const std::span<std::uint8_t> read = std::span(bytes).first(entry.size);
+    file_.read(entry.offset, read);
+    if (hash_of_bytes(read) != entry.hash) fail_damaged();
+    if (!BandAdder(read, pixels_of_band(layout_, band), film).add()) fail_damaged();
+}
+
+void StateFile::fail_damaged() const {
+    throw FileError(
+        fmt::format("{} is damaged: its checksum does not match; get it again, or render it again",
+                    path_.string()));
+}
+
+RenderState read_state(const fs::path& path) {
+    const StateFile file(path);
+    RenderState state = {.film = FilmState(file.layout(), file.first_sample()),
+                         .identity = file.identity(),
+                         .seconds = file.seconds(),
+                         .part = file.part()};
+    Workers().run(static_cast<std::int64_t>(file.band_count()), [&](std::int64_t band) {
+        file.add_band(static_cast<std::size_t>(band), state.film);
+    });
     return state;
 }
 

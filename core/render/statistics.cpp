@@ -52,10 +52,14 @@ std::string figures_text(const RenderFigures& figures) {
                     figures.build_seconds, figures.render_seconds);
     text +=
         fmt::format("; {} spp; {:.2f} Mrays/s", figures.samples, figures.rays_per_second() * 1e-6);
-    if (!figures.error) return text + "; no error estimate from one sample per pixel";
+    return text + error_text(figures);
+}
+
+std::string error_text(const RenderFigures& figures) {
+    if (!figures.error) return "; no error estimate from one sample per pixel";
     const ErrorEstimate& error = *figures.error;
-    text += fmt::format("; relMSE {:.3g} (95 %: {:.3g} to {:.3g}", error.relative_mse, error.low,
-                        error.high);
+    const std::string text = fmt::format("; relMSE {:.3g} (95 %: {:.3g} to {:.3g}",
+                                         error.relative_mse, error.low, error.high);
     if (!error.vague()) return text + ")";
     return text + fmt::format(
                       "; not known better, since {:.0f} % of it is in pixels that few "

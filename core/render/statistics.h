@@ -40,6 +40,8 @@ struct RenderFigures {
 /// "load 0.01 s, build 0.12 s, render 3.45 s; 64 spp; 5.67 Mrays/s; relMSE 1.2e-03 (95 %:
 /// 1.1e-03 … 1.3e-03)"
 std::string figures_text(const RenderFigures& figures);
+/// Its end: "; relMSE 1.2e-03 (95 %: 1.1e-03 … 1.3e-03)"
+std::string error_text(const RenderFigures& figures);
 /// What a user must be told: dropped samples, rays and pixels. A line each, or empty.
 std::string figures_warnings(const RenderFigures& figures);
 

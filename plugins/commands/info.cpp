@@ -132,8 +132,6 @@ std::string type_of(const Plane& plane) {
     return plane.half ? "half" : "float";
 }
 
-bool is_state(const Plane& plane) { return plane.name.starts_with("state."); }
-
 Json exr_json(const ImageFile& file, const std::string& path) {
     Json json = Json::object();
     json.set("schema", 1).set("image", path);
@@ -141,7 +139,6 @@ Json exr_json(const ImageFile& file, const std::string& path) {
     json.set("full_width", file.full_width).set("full_height", file.full_height);
     Json channels = Json::array();
     for (const Plane& plane : file.planes) {
-        if (is_state(plane)) continue;
         channels.append(Json::object().set("name", plane.name).set("type", type_of(plane)));
     }
     json.set("channels", channels);
@@ -158,14 +155,10 @@ void print_exr(const ImageFile& file, const std::string& path) {
         fmt::print(" at ({}, {}) of {} × {}", file.x, file.y, file.full_width, file.full_height);
     }
     fmt::print("\n");
-    std::size_t state_channels = 0;
     for (const Plane& plane : file.planes) {
-        state_channels += is_state(plane);
-        if (!is_state(plane)) fmt::print("  {} ({})\n", plane.name, type_of(plane));
+        fmt::print("  {} ({})\n", plane.name, type_of(plane));
     }
-    if (state_channels > 0) {
-        fmt::print("  the state of a render in {} channels\n", state_channels);
-    }
+    if (file.metadata.contains("lucerna:state")) fmt::print("  the state of a render\n");
     for (const auto& entry : file.metadata) {
         std::visit([&](const auto& value) { fmt::print("{} = {}\n", entry.first, value); },
                    entry.second);

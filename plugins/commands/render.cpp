@@ -4,13 +4,14 @@
 /// Passes over the image until a budget of samples, time or error is spent; then, or after SIGINT
 /// and SIGTERM, an EXR and a PNG are written, each completely or not at all. A checkpoint holds
 /// the exact state: resuming gives the bits of a render that was never interrupted.
-#include "core/command_line/arguments.h"
 #include "core/image/atomic_file.h"
 #include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/output.h"
 #include "core/render/progress.h"
 #include "core/render/session.h"
+#include "plugins/commands/rendering/part.h"
+#include "plugins/commands/rendering/request.h"
 
 #include <fmt/format.h>
 
@@ -24,105 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the command line says.
-struct Request {
-    std::string scene, output, checkpoint, view;
-    RenderBudget budget;
-    std::uint64_t seed = 0;
-    int threads = 0;
-    std::vector<int> resolution, crop;
-    std::vector<std::pair<std::string, std::string>> defines;
-    std::vector<std::string> overrides, plugin_folders;
-    double checkpoint_seconds = 60, exposure = 0;
-    bool resume = false, quiet = false, json = false;
-};
-
-void declare_what(Arguments& arguments, Request& request) {
-    arguments.positional("SCENE", request.scene, "an XML file in Mitsuba's format");
-    arguments.option("-o,--output", "FILE", request.output,
-                     "the pictures: FILE.exr (linear, all layers) and FILE.png (as displayed); by "
-                     "default they are named after the scene, in the current directory");
-    arguments.option("--resolution", "WxH", request.resolution, 'x', 2, {.min = 1, .max = 65536},
-                     "size of the whole image [pixels]");
-    arguments.option("--crop", "X,Y,W,H", request.crop, ',', 4, {.min = 0, .max = 65536},
-                     "renders this part only; it is exactly a part of the whole image");
-    arguments.option("-D,--define", "NAME=VALUE", request.defines,
-                     "value of $NAME in the scene; may be repeated");
-    arguments.option("--set", "PATH=VALUE", request.overrides,
-                     "changes the scene, for example integrator.max_depth=8 or "
-                     "integrator.light_sampler=power; may be repeated");
-    arguments.option("--plugins", "DIR", request.plugin_folders,
-                     "looks for plugins in DIR first; may be repeated");
-    arguments.option("--seed", "N", request.seed, non_negative,
-                     "another number, another noise; 0 by default");
-    arguments.option("--threads", "N", request.threads, {.min = 0, .max = 4096},
-                     "0, the default: one for each processor");
-}
-
-void declare_how(Arguments& arguments, Request& request) {
-    arguments.option("--spp", "N", request.budget.samples, {.min = 1, .max = 1 << 30},
-                     "samples per pixel; unless there is a limit, the sampler's sample_count");
-    arguments.option("--time", "SECONDS", request.budget.seconds, positive,
-                     "time to render, without loading and building");
-    arguments.option("--error", "RELMSE", request.budget.error, positive,
-                     "renders until the estimate of the relative mean squared error is below this");
-    arguments.option("--checkpoint", "FILE", request.checkpoint,
-                     "keeps the state of the render in this EXR file");
-    arguments.option("--checkpoint-every", "SECONDS", request.checkpoint_seconds, positive,
-                     "60 by default; it is also written at the end");
-    arguments.flag("--resume", request.resume,
-                   "continues from the checkpoint, if the file is there; exactly as if the render "
-                   "had never stopped");
-    arguments.option("--view", "DISPLAY/VIEW", request.view,
-                     "of the PNG; `lucerna tonemap --list` shows all");
-    arguments.option("--exposure", "EV", request.exposure, {.min = -100, .max = 100},
-                     "of the PNG, in factors of two");
-    arguments.flag("-q,--quiet", request.quiet, "prints nothing but warnings and errors");
-    arguments.flag("--json", request.json, "prints the figures as JSON");
-    arguments.footer(
-        "The first limit that is reached ends the render. SIGINT and SIGTERM end it, too: pictures "
-        "and checkpoint are written if there is any sample, and the exit code is 130.\n\n"
-        "Exit codes: 0 success, 1 failure, 2 wrong arguments, 3 wrong scene or colour "
-        "configuration, 4 plugin cannot be loaded, 5 file cannot be read or written, 130 "
-        "interrupted.");
-}
-
-/// What is wrong with the arguments taken together, or empty.
-std::string contradiction(const Request& request) {
-    if (request.checkpoint.empty()) return request.resume ? "--resume needs --checkpoint FILE" : "";
-    const PicturePaths pictures(request.output, request.scene);
-    const fs::path checkpoint = fs::weakly_canonical(request.checkpoint);
-    for (const fs::path& picture : {pictures.exr, pictures.png}) {
-        if (checkpoint != fs::weakly_canonical(picture)) continue;
-        return fmt::format("the picture {} would replace the checkpoint; give them different names",
-                           picture.string());
-    }
-    return "";
-}
-
-SessionSettings session_settings(const Request& request) {
-    SessionSettings settings;
-    settings.scene = request.scene;
-    settings.threads = request.threads;
-    settings.defines = request.defines;
-    settings.overrides = request.overrides;
-    settings.plugin_folders.assign(request.plugin_folders.begin(), request.plugin_folders.end());
-    const auto set_film = [&](const char* name, int value) {
-        settings.overrides.push_back(fmt::format("sensor.film.{}={}", name, value));
-    };
-    if (!request.resolution.empty()) {
-        set_film("width", request.resolution[0]);
-        set_film("height", request.resolution[1]);
-    }
-    if (!request.crop.empty()) {
-        set_film("crop_offset_x", request.crop[0]);
-        set_film("crop_offset_y", request.crop[1]);
-        set_film("crop_width", request.crop[2]);
-        set_film("crop_height", request.crop[3]);
-    }
-    return settings;
-}
-
 bool is_black(const FilmState& film) {
     for (std::size_t pixel = 0; pixel < film.pixel_count(); ++pixel) {
         for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -130,6 +32,18 @@ bool is_black(const FilmState& film) {
         }
     }
     return true;
+}
+
+/// Throws Error for states that have not all samples from the first one on.
+void check_whole(const RenderState& state, const fs::path& path) {
+    const SampleRanges& samples = state.part.samples;
+    const std::vector<SampleRange>& ranges = samples.ranges();
+    const bool whole = state.film.first_sample() == 0 && ranges.size() <= 1;
+    if (whole) return;
+    throw Error(
+        fmt::format("cannot resume from {}: it is a part of a render, with samples {} "
+                    "only; merge all parts with `lucerna merge --state`",
+                    path.string(), samples.text()));
 }
 
 /// One run of the command.
@@ -185,7 +99,8 @@ int Rendering::run() {
         no_checkpoint = std::current_exception();  // there can still be pictures
     }
     write_pictures(session_.scene().sensor().film(),
-                   annotated_image(result, command_, request_.scene), paths_, view_);
+                   annotated_image(result.film, result.figures, command_, request_.scene), paths_,
+                   view_);
     fmt::print(stderr, "{}", figures_warnings(result.figures));
     if (session_.scene().lights().empty() && is_black(result.film)) {
         fmt::print(stderr,
@@ -213,6 +128,7 @@ std::optional<RenderState> Rendering::previous_state() const {
     RenderState state = read_state(request_.checkpoint);
     check_continues(state, film_layout(session_.scene()), session_.identity(request_.seed),
                     request_.checkpoint);
+    check_whole(state, request_.checkpoint);
     const std::uint64_t done = state.film.complete_samples();
     const bool finished = request_.budget.samples && done >= *request_.budget.samples;
     if (!request_.quiet) {
@@ -264,6 +180,15 @@ void Rendering::print(const RenderResult& result) const {
     }
 }
 
+int render_part(const Request& request) {
+    try {
+        return PartRendering(request).run();
+    } catch (const TransientFileError& e) {
+        fmt::print(stderr, "{}\n", e.what());
+        return exit_code::try_again;
+    }
+}
+
 class RenderCommand final : public Command {
 public:
     explicit RenderCommand(const Params&) {}
@@ -274,12 +199,14 @@ public:
         declare_what(arguments, request);
         declare_how(arguments, request);
         if (const std::optional<int> code = arguments.parse(words)) return *code;
+        request.part = parse_part(request.part_text);
         const std::string problem = contradiction(request);
         if (!problem.empty()) {
             fmt::print(stderr, "lucerna render: {}\n", problem);
             return exit_code::usage;
         }
         ignore_write_signals();
+        if (request.part) return render_part(request);
         std::optional<PictureView> view;
         try {
             view = picture_view(request.view, request.exposure);

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Renders in parts: `lucerna render --part` and `lucerna merge`, killed and started again.
+#include "core/math/sequences.h"
+#include "core/plugin/registry.h"
+#include "core/render/state_file.h"
+#include "tests/commands/render_command.h"
+#include "tests/core/render/films.h"
+
+#include <sys/stat.h>
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PartsTest : public RenderCommandTest {
+protected:
+    PartsTest() { fs::create_directory(folder / "parts"); }
+
+    std::string file_of(int part) const { return "parts/" + std::to_string(part) + ".exr"; }
+
+    void render_part(int part, int count, std::vector<std::string> words,
+                     int expected = exit_code::success) {
+        const std::vector<std::string> own = {"-q", "-o", file_of(part), "--part",
+                                              std::to_string(part) + "/" + std::to_string(count)};
+        words.insert(words.end(), own.begin(), own.end());
+        render(words, expected);
+    }
+    /// Runs `lucerna merge WORDS`.
+    std::string merge(std::vector<std::string> words, int expected = exit_code::success,
+                      const ProcessSetup& setup = {}) {
+        words.insert(words.begin(), "merge");
+        Process process(folder.path(), words, setup);
+        EXPECT_EQ(process.wait(), expected) << process.errors();
+        errors = process.errors();
+        return process.output();
+    }
+    void expect_same_pictures(const char* a, const char* b) const {
+        const ImageFile x = read_exr(folder / (a + std::string(".exr")));
+        const ImageFile y = read_exr(folder / (b + std::string(".exr")));
+        ASSERT_EQ(x.planes.size(), y.planes.size());
+        for (std::size_t i = 0; i < x.planes.size(); ++i) {
+            EXPECT_EQ(x.planes[i].name, y.planes[i].name);
+            EXPECT_EQ(x.planes[i].half, y.planes[i].half);
+            EXPECT_EQ(x.planes[i].samples, y.planes[i].samples) << x.planes[i].name;
+        }
+        EXPECT_EQ(read_whole(folder / (a + std::string(".png"))),
+                  read_whole(folder / (b + std::string(".png"))));
+    }
+};
+
+class PartsOfIntegrators : public PartsTest, public testing::WithParamInterface<const char*> {};
+
+TEST_P(PartsOfIntegrators, AreTheWholeRender) {
+    const std::string integrator = std::string("integrator=") + GetParam();
+    std::vector<std::string> scene = {"--set", integrator, "--spp", "13", "--seed", "5"};
+    std::vector<std::string> whole = scene;
+    whole.insert(whole.end(), {"-q", "-o", "whole"});
+    render(whole);
+    for (const int part : {3, 1, 4, 2}) {
+        std::vector<std::string> words = scene;
+        words.insert(words.end(), {"--threads", std::to_string(part)});
+        render_part(part, 4, words);
+    }
+    merge({"parts/4.exr", "parts/1.exr", "parts/3.exr", "parts/2.exr", "-q", "-o", "merged"});
+    EXPECT_EQ(errors, "");
+    expect_same_pictures("whole", "merged");
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, PartsOfIntegrators,
+                         testing::Values("path", "direct", "photonmap", "sppm", "ptracer", "aov"));
+
+TEST_F(PartsTest, LightSamplersAndFiltersDoNotMatter) {
+    for (const char* change :
+         {"integrator.light_sampler=bvh", "integrator.light_sampler=uniform", "integrator.reuse=1",
+          "sensor.film.rfilter=lanczos", "sensor.film.rfilter=box", "sensor.sampler=sobol",
+          "sensor.film.pixel_format=rgba", "sensor.film.file_format=png"}) {
+        fs::remove_all(folder / "parts");
+        fs::create_directory(folder / "parts");
+        render({"-q", "-o", "whole", "--spp", "8", "--set", change});
+        for (const int part : {1, 2, 3}) render_part(part, 3, {"--spp", "8", "--set", change});
+        merge({"parts/1.exr", "parts/2.exr", "parts/3.exr", "-q", "-o", "merged"});
+        expect_same_pictures("whole", "merged");
+    }
+}
+
+TEST_F(PartsTest, CropsAreMerged) {
+    const std::vector<std::string> crop = {"--spp", "6", "--crop", "5,7,10,8"};
+    render({"-q", "-o", "whole", "--spp", "6", "--crop", "5,7,10,8"});
+    for (const int part : {1, 2}) render_part(part, 2, crop);
+    merge({"parts/1.exr", "parts/2.exr", "-q", "-o", "merged"});
+    expect_same_pictures("whole", "merged");
+}
+
+TEST_F(PartsTest, ATreeOfMergesHasTheSameBits) {
+    render({"-q", "-o", "whole", "--spp", "40", "--checkpoint", "whole_state.exr"});
+    for (int part = 1; part <= 5; ++part) render_part(part, 5, {"--spp", "40"});
+    merge({"parts/5.exr", "parts/2.exr", "-q", "--partial", "--state", "a.exr"});
+    merge({"parts/3.exr", "parts/1.exr", "-q", "--partial", "--state", "b.exr"});
+    merge({"a.exr", "parts/4.exr", "b.exr", "-q", "-o", "merged", "--state", "all.exr"});
+    expect_same_pictures("whole", "merged");
+    const RenderState all = read_state(folder / "all.exr");
+    EXPECT_TRUE(same_bits(all.film, read_state(folder / "whole_state.exr").film));
+    EXPECT_EQ(all.part.parts, 5);
+    EXPECT_EQ(all.part.samples.text(), "0-39");
+}
+
+TEST_F(PartsTest, TheMergedStateCanBeRefined) {
+    render({"-q", "-o", "whole", "--spp", "32"});
+    for (const int part : {1, 2}) render_part(part, 2, {"--spp", "16"});
+    merge({"parts/1.exr", "parts/2.exr", "-q", "--state", "all.exr"});
+    render({"-q", "-o", "refined", "--spp", "32", "--checkpoint", "all.exr", "--resume"});
+    expect_same_pictures("whole", "refined");
+    merge({"parts/2.exr", "-q", "--partial", "--state", "half.exr"});
+    render({"-q", "-o", "refined", "--spp", "32", "--checkpoint", "half.exr", "--resume"},
+           exit_code::failure);
+    EXPECT_EQ(
+        errors,
+        "cannot resume from half.exr: it is a part of a render, with samples 8-15 only; merge "
+        "all parts with `lucerna merge --state`\n");
+}
+
+TEST_F(PartsTest, MetadataTellWhatItTook) {
+    for (const int part : {1, 2}) render_part(part, 2, {"--spp", "8"});
+    merge({"parts/1.exr", "parts/2.exr", "-q", "-o", "merged"});
+    const Metadata metadata = read_exr(folder / "merged.exr").metadata;
+    const RenderState one = read_state(folder / "parts/1.exr");
+    const RenderState two = read_state(folder / "parts/2.exr");
+    EXPECT_EQ(std::get<double>(metadata.at("lucerna:render_seconds")), one.seconds + two.seconds);
+    EXPECT_EQ(std::get<double>(metadata.at("lucerna:wall_seconds")), two.part.end - one.part.begin);
+    EXPECT_GT(two.part.begin, one.part.end);
+    EXPECT_EQ(std::get<int>(metadata.at("lucerna:parts")), 2);
+    EXPECT_EQ(std::get<std::string>(metadata.at("lucerna:samples_per_pixel")), "8");
+}
+
+TEST_F(PartsTest, RunAgainNothingIsLeftToRender) {
+    render_part(2, 3, {"--spp", "12"});
+    const std::string before = read_whole(folder / "parts/2.exr");
+    render({"--spp", "12", "--part", "2/3", "-o", "parts/2.exr"});
+    EXPECT_EQ(errors, "parts/2.exr is there already: nothing is left to render\n");
+    EXPECT_EQ(read_whole(folder / "parts/2.exr"), before);
+    EXPECT_FALSE(fs::exists(folder / "parts/2.exr.checkpoint"));
+}
+
+TEST_F(PartsTest, TwoTasksThatRenderOnePartLeaveIt) {
+    render({"-q", "-o", "whole", "--spp", "64"});
+    const auto begin = [&] {
+        return std::make_unique<Process>(
+            folder.path(),
+            std::vector<std::string>{"render", "scene.xml", "-q", "--spp", "64", "--part", "1/1",
+                                     "-o", "parts/1.exr", "--checkpoint-every", "0.001"});
+    };
+    for (int i = 0; i < 4; ++i) {
+        fs::remove(folder / "parts/1.exr");
+        const auto a = begin(), b = begin();
+        EXPECT_EQ(a->wait(), exit_code::success) << a->errors();
+        EXPECT_EQ(b->wait(), exit_code::success) << b->errors();
+        merge({"parts/1.exr", "-q", "-o", "merged"});
+        expect_same_pictures("whole", "merged");
+    }
+}
+
+TEST_F(PartsTest, ATimeLimitIsToldAndCanBeRaised) {
+    const std::vector<std::string> much = {"--spp", "1000000"};
+    const auto with_time = [&](const char* seconds) {
+        std::vector<std::string> words = much;
+        words.insert(words.end(), {"--time", seconds});
+        return words;
+    };
+    render_part(1, 2, with_time("0.2"));
+    render_part(2, 2, with_time("0.2"));
+    const RenderState first = read_state(folder / "parts/1.exr");
+    EXPECT_EQ(first.part.samples.ranges()[0].begin, 0u);
+    EXPECT_EQ(first.part.planned.text(), "0-499999");
+    EXPECT_LT(first.film.complete_samples(), 500000u);
+    merge({"parts/1.exr", "parts/2.exr", "-q", "-o", "merged"});
+    expect_error("samples per pixel are left out, since the --time of their parts was over: ");
+    // Again: nothing. Longer: goes on.
+    const std::string before = read_whole(folder / "parts/1.exr");
+    render_part(1, 2, with_time("0.2"));
+    EXPECT_EQ(read_whole(folder / "parts/1.exr"), before);
+    render_part(1, 2, with_time("0.4"));
+    const RenderState longer = read_state(folder / "parts/1.exr");
+    EXPECT_GT(longer.film.complete_samples(), first.film.complete_samples());
+}
+
+TEST_F(PartsTest, KilledAtRandomNothingIsLost) {
+    render({"-q", "-o", "whole", "--resolution", "64x48", "--spp", "1200"});
+    Rng rng(17);
+    int killed = 0, requeued = 0;
+    for (int part = 1; part <= 3; ++part) {
+        for (bool done = false; !done;) {
+            Process process(folder.path(), {"render", "scene.xml", "-q", "--resolution", "64x48",
+                                            "--spp", "1200", "--part", std::to_string(part) + "/3",
+                                            "-o", file_of(part), "--checkpoint-every", "0.02"});
+            std::this_thread::sleep_for(std::chrono::milliseconds(30 + rng.next_uint() % 200));
+            const int signal = rng.next_uint() % 2 == 0 ? SIGKILL : SIGTERM;
+            process.kill(signal);
+            const int code = process.wait();
+            const bool again = code == exit_code::interrupted || code == 128 + signal;
+            done = code == exit_code::success;
+            EXPECT_TRUE(done || again) << code << process.errors();
+            killed += code == 128 + SIGKILL;
+            requeued += code == exit_code::interrupted;
+            ASSERT_LT(killed + requeued, 500);
+        }
+    }
+    EXPECT_GT(killed, 1);
+    EXPECT_GT(requeued, 1);
+    merge({"parts/1.exr", "parts/2.exr", "parts/3.exr", "-q", "-o", "merged"});
+    expect_same_pictures("whole", "merged");
+}
+
+TEST_F(PartsTest, DamagedFilesAreRenderedAgain) {
+    render({"-q", "-o", "whole", "--spp", "8"});
+    render_part(1, 1, {"--spp", "8"});
+    const std::string whole = read_whole(folder / "parts/1.exr");
+    write("parts/1.exr", whole.substr(0, whole.size() / 2));
+    merge({"parts/1.exr", "-q", "-o", "merged"}, exit_code::file);
+    expect_error("parts/1.exr");
+    EXPECT_FALSE(fs::exists(folder / "merged.exr"));
+    write("parts/1.exr.checkpoint", "nonsense");
+    render_part(1, 1, {"--spp", "8"});
+    expect_error("warning: parts/1.exr");
+    expect_error("warning: parts/1.exr.checkpoint");
+    merge({"parts/1.exr", "-q", "-o", "merged"});
+    expect_same_pictures("whole", "merged");
+}
+
+TEST_F(PartsTest, PartsOutOfRangeAreRefused) {
+    const auto refusal = [&](const char* part, std::vector<std::string> more = {"-o", "p.exr"}) {
+        std::vector<std::string> words = {"--spp", "8", "--part", part};
+        words.insert(words.end(), more.begin(), more.end());
+        render(words, exit_code::usage);
+        return errors;
+    };
+    EXPECT_EQ(refusal("0/4"), "lucerna render: --part 0/4: there are only parts 1 to 4\n");
+    EXPECT_EQ(refusal("5/4"), "lucerna render: --part 5/4: there are only parts 1 to 4\n");
+    EXPECT_EQ(refusal("1/0"), "lucerna render: --part 1/0: there must be one part at least\n");
+    for (const std::string text : {"1-4", "/4", "3/", "3", "1/4x", "-1/4", "1/4/4", " 1/4"}) {
+        EXPECT_EQ(refusal(text.c_str()),
+                  "lucerna render: --part: expected K/N, such as 3/64, not \"" + text + "\"\n");
+    }
+    EXPECT_EQ(refusal("1/4", {}),
+              "lucerna render: --part needs --output FILE, the file for the state of the part\n");
+    const std::string own =
+        "lucerna render: --part keeps a checkpoint of its own and goes on from it; leave out "
+        "--checkpoint and --resume\n";
+    EXPECT_EQ(refusal("1/4", {"-o", "p.exr", "--resume"}), own);
+    EXPECT_EQ(refusal("1/4", {"-o", "p.exr", "--checkpoint", "c.exr"}), own);
+    EXPECT_EQ(refusal("1/4", {"-o", "p.exr", "--error", "0.1"}),
+              "lucerna render: --part cannot know the error of the whole picture; leave out "
+              "--error\n");
+    render({"--spp", "8", "--part", "1/9", "-o", "p.exr"}, exit_code::failure);
+    EXPECT_EQ(errors,
+              "8 samples per pixel cannot make 9 parts; raise --spp, or make at most 8 parts\n");
+    EXPECT_FALSE(fs::exists(folder / "p.exr"));
+}
+
+TEST_F(PartsTest, PartsOfOtherRendersAreNotReplaced) {
+    render_part(1, 2, {"--spp", "8"});
+    const std::string before = read_whole(folder / "parts/1.exr");
+    render_part(1, 2, {"--spp", "8", "--seed", "3"}, exit_code::failure);
+    EXPECT_EQ(errors, "parts/1.exr is of --seed 0, not 3; remove it, or choose another --output\n");
+    render_part(1, 2, {"--spp", "8", "-D", "radiance=2"}, exit_code::failure);
+    EXPECT_EQ(errors,
+              "parts/1.exr is of another scene, or the scene or its --set and -D values have "
+              "changed; remove it, or choose another --output\n");
+    render_part(1, 4, {"--spp", "8"}, exit_code::failure);
+    EXPECT_EQ(errors,
+              "parts/1.exr is the state of samples 0-3, not 0-1; remove it, or choose another "
+              "--output\n");
+    EXPECT_EQ(read_whole(folder / "parts/1.exr"), before);
+}
+
+TEST_F(PartsTest, WhatDoesNotFitTogetherIsRefused) {
+    const auto part = [&](const char* name, const char* which, std::vector<std::string> words) {
+        words.insert(words.end(), {"-q", "--part", which, "-o", name});
+        render(words);
+    };
+    const std::vector<std::string> plain = {"--spp", "8"};
+    part("a.exr", "1/2", plain);
+    part("seed.exr", "2/2", {"--spp", "8", "--seed", "1"});
+    part("size.exr", "2/2", {"--spp", "8", "--resolution", "20x10"});
+    part("integrator.exr", "2/2", {"--spp", "8", "--set", "integrator=direct"});
+    part("scene.exr", "2/2", {"--spp", "8", "-D", "radiance=2"});
+    part("crop.exr", "2/2", {"--spp", "8", "--crop", "0,0,8,8"});
+    part("overlap.exr", "1/4", {"--spp", "12"});
+    write("good.exr", "good");
+    write("good.png", "good");
+    const auto refusal = [&](std::vector<std::string> files, int code = exit_code::failure) {
+        files.insert(files.end(), {"-q", "-o", "good"});
+        merge(files, code);
+        return errors;
+    };
+    const std::string both = "a.exr and ";
+    EXPECT_EQ(refusal({"a.exr", "seed.exr"}),
+              "a.exr and seed.exr cannot be merged: they differ in the seed: 0 and 1\n");
+    EXPECT_EQ(refusal({"a.exr", "size.exr"}),
+              "a.exr and size.exr cannot be merged: they differ in size: 32 × 24 and 20 × 10\n");
+    EXPECT_EQ(refusal({"a.exr", "integrator.exr"}),
+              "a.exr and integrator.exr cannot be merged: they differ in the integrator: path and "
+              "direct\n");
+    EXPECT_EQ(refusal({"a.exr", "scene.exr"}),
+              "a.exr and scene.exr cannot be merged: they are of different scenes, or the scene or "
+              "its --set and -D values have changed between them\n");
+    EXPECT_EQ(refusal({"a.exr", "crop.exr"}),
+              "a.exr and crop.exr cannot be merged: they differ in their crop window\n");
+    EXPECT_EQ(refusal({"a.exr", "overlap.exr"}),
+              "a.exr and overlap.exr cannot be merged: both have samples 0 to 2; leave out one of "
+              "them\n");
+    EXPECT_EQ(
+        refusal({"a.exr", "a.exr"}),
+        "a.exr and a.exr cannot be merged: both have samples 0 to 3; leave out one of them\n");
+    EXPECT_EQ(
+        refusal({"a.exr"}),
+        "4 of 8 samples per pixel are missing: 4-7; render the parts that have them, or merge "
+        "with --partial\n");
+    ImageFile old = read_exr(folder / "a.exr");
+    old.metadata["lucerna:state"] = 3;
+    old.metadata["lucerna:version"] = "0.0.9";
+    write_exr(folder / "old.exr", old);
+    EXPECT_EQ(
+        refusal({"a.exr", "old.exr"}, exit_code::file),
+        "old.exr was written by Lucerna 0.0.9 with version 3 of its states; this is Lucerna " +
+            std::string(core_version()) +
+            " with version 5, which cannot continue it; render it again\n");
+    render({"-q", "--spp", "1", "-o", "picture"});
+    EXPECT_EQ(refusal({"picture.exr"}, exit_code::file),
+              "picture.exr is not the state of a render; give a file that `lucerna render "
+              "--checkpoint` or `--part` wrote\n");
+    EXPECT_EQ(refusal({"nothing.exr"}, exit_code::file), "nothing.exr: there is no such file\n");
+    EXPECT_EQ(refusal({}, exit_code::usage), "lucerna merge: name the files to be merged\n");
+    EXPECT_EQ(refusal({"good.exr"}, exit_code::usage),
+              "lucerna merge: the picture good.exr would replace a state; give it another name\n");
+    merge({"a.exr"}, exit_code::usage);
+    EXPECT_EQ(errors, "lucerna merge: name the picture with --output, or the state with --state\n");
+    EXPECT_EQ(read_whole(folder / "good.exr"), "good");
+    EXPECT_EQ(read_whole(folder / "good.png"), "good");
+    merge({"a.exr", "-q", "-o", "half", "--partial"});
+    EXPECT_EQ(errors, "warning: 4 of 8 samples per pixel are missing: 4-7\n");
+}
+
+TEST_F(PartsTest, AFullDiskIsNamedAndMayBeTriedAgain) {
+    render_part(1, 1, {"--spp", "2"});
+    fs::create_symlink("/dev/full", folder / "full.exr");
+    merge({"parts/1.exr", "-q", "-o", "full"}, exit_code::try_again);
+    EXPECT_EQ(errors,
+              "full.exr: writing failed: No space left on device; free some space, or write to "
+              "another disk\n");
+    render({"-q", "--spp", "2", "--part", "1/1", "-o", "no/such/folder.exr"}, exit_code::file);
+    expect_error("create the directory first");
+}
+
+}  // namespace
+}  // namespace lucerna
