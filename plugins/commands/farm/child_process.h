@@ -33,7 +33,8 @@ inline constexpr int cannot_execute = 127;
 /// group of its own: signals of the terminal do not reach it. Returns its process id.
 inline pid_t start_child(const ChildSettings& settings, int output) {
     std::vector<char*> words;
-    for (const std::string& word : settings.command) words.push_back(const_cast<char*>(word.c_str()));
+    for (const std::string& word : settings.command)
+        words.push_back(const_cast<char*>(word.c_str()));
     words.push_back(nullptr);
     const pid_t child = fork();
     if (child < 0) {

@@ -26,7 +26,7 @@ inline void make_folder(const std::filesystem::path& folder) {
 }
 
 /// Throws FileError if the file cannot be copied; one that is there is replaced.
-inline void copy_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+inline void put_copy(const std::filesystem::path& from, const std::filesystem::path& to) {
     std::error_code problem;
     std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing,
                                problem);
@@ -49,7 +49,7 @@ public:
         const auto [content, is_new] = by_hash_.try_emplace(hash_of_file(file));
         if (is_new) {
             content->second = free_name(path.filename().string());
-            copy_file(file, folder_ / content->second);
+            put_copy(file, folder_ / content->second);
         }
         return by_path_[file] = content->second;
     }

@@ -37,7 +37,9 @@ class JobFolder {
 public:
     /// A new job. `extension` is that of the results of parts.
     JobFolder(std::filesystem::path path, std::string name, int parts, std::string extension)
-        : path_(std::move(path)), name_(std::move(name)), parts_(parts),
+        : path_(std::move(path)),
+          name_(std::move(name)),
+          parts_(parts),
           extension_(std::move(extension)) {}
 
     static bool is_job(const std::filesystem::path& path) {

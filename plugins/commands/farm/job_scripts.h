@@ -23,7 +23,7 @@ struct JobCommands {
     std::vector<std::string> slurm_options;
 };
 
-inline constexpr std::string_view part_script = R"(#!/usr/bin/env bash
+inline constexpr std::string_view part_script = R"script(#!/usr/bin/env bash
 # One part of a job of @PARTS@ parts. Slurm runs this script once for each part, as does
 # `lucerna farm FOLDER --local N`. It is run in its folder, and may be changed.
 #SBATCH --job-name=@NAME@
@@ -69,9 +69,9 @@ if [[ -n ${SLURM_JOB_ID-} && $reason != asked ]] && ((code == 75 || code >= 128)
     fi
 fi
 exit "$code"
-)";
+)script";
 
-inline constexpr std::string_view merge_script = R"(#!/usr/bin/env bash
+inline constexpr std::string_view merge_script = R"script(#!/usr/bin/env bash
 # What is left to do when all parts of the job are done. It is run in its folder.
 #SBATCH --job-name=@NAME@-merge
 #SBATCH --output=logs/merge.txt
@@ -79,7 +79,7 @@ inline constexpr std::string_view merge_script = R"(#!/usr/bin/env bash
 #SBATCH --requeue
 @OPTIONS@lucerna=${LUCERNA:-@PROGRAM@}
 exec "$lucerna" @COMMAND@
-)";
+)script";
 
 /// Every "@NAME@" of the text replaced.
 inline std::string filled_in(std::string_view text,
@@ -107,8 +107,7 @@ inline void write_job(const JobFolder& job, const JobCommands& commands) {
                                                      {"OPTIONS", options},
                                                      {"PROGRAM", commands.program},
                                                      {"COMMAND", command}}));
-        fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec,
-                        fs::perm_options::add);
+        fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec, fs::perm_options::add);
     };
     for (const char* folder : {"parts", "logs", "records"}) make_folder(job.path() / folder);
     write(job.part_script(), part_script, commands.part);

@@ -23,7 +23,8 @@ public:
     /// command line become defaults of the scene. Throws FileError.
     ScenePack(const Session& session, const SessionSettings& settings,
               const std::filesystem::path& folder)
-        : description_(session.description()), registry_(session.registry()),
+        : description_(session.description()),
+          registry_(session.registry()),
           files_(folder / "scene") {
         for (const Element& element : description_.elements) add_files(element);
         add_found_files();
@@ -116,13 +117,14 @@ private:
         std::string defaults;
         for (const auto& [name, value] : defines) {
             if (value.find('$') != std::string::npos) {
-                throw Error(fmt::format("-D {}={}: a value with \"$\" cannot become a default of "
-                                        "the packed scene; write it into the scene",
-                                        name, value));
+                throw Error(
+                    fmt::format("-D {}={}: a value with \"$\" cannot become a default of "
+                                "the packed scene; write it into the scene",
+                                name, value));
             }
             // The last definition of a name counts, the first default.
-            defaults = fmt::format("<default name=\"{}\" value=\"{}\"/>", name, escaped(value)) +
-                       defaults;
+            defaults =
+                fmt::format("<default name=\"{}\" value=\"{}\"/>", name, escaped(value)) + defaults;
         }
         std::size_t position = after_name(text, description_.root->where.offset);
         RawAttribute attribute{};
@@ -135,10 +137,17 @@ private:
         std::string text;
         for (const char c : value) {
             switch (c) {
-                case '&': text += "&amp;"; break;
-                case '<': text += "&lt;"; break;
-                case '"': text += "&quot;"; break;
-                default: text += c;
+                case '&':
+                    text += "&amp;";
+                    break;
+                case '<':
+                    text += "&lt;";
+                    break;
+                case '"':
+                    text += "&quot;";
+                    break;
+                default:
+                    text += c;
             }
         }
         return text;
@@ -153,7 +162,7 @@ private:
                 if (place == own) break;
                 const std::filesystem::path copy = folder / (name + ".so");
                 make_folder(copy.parent_path());
-                copy_file(library, copy);
+                put_copy(library, copy);
                 has_plugins_ = true;
                 break;
             }
