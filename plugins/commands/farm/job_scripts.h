@@ -49,7 +49,7 @@ note() { printf '%s %s %s\n' "$1" "$(date +%s)" "$2" >> "records/$part.txt"; }
 reason= stopping=
 trap 'reason=${reason:-limit} stopping=1; kill -TERM "$running"' USR1
 trap 'reason=${reason:-asked} stopping=1' TERM
-note start "$(hostname)"
+note start "${SLURMD_NODENAME:-$(hostname)}"
 "${command[@]}" &
 running=$!
 wait "$running"
