@@ -70,7 +70,8 @@ def main():
     for nodes in a.nodes:
         seconds, failures = simulate(a, nodes, random.Random(a.seed), a.map, a.scene)
         share = nodes * (a.build + a.map) / (nodes * seconds)
-        line = (f"{nodes:5d} {seconds:9.0f} {single / seconds:10.1f} {single / seconds / nodes:10.1%}"
+        speed_up = single / seconds
+        line = (f"{nodes:5d} {seconds:9.0f} {speed_up:10.1f} {speed_up / nodes:10.1%}"
                 f" {share:11.1%} {nodes * a.state:8.1f} GB {failures:8d}")
         if a.map:
             other, _ = simulate(a, nodes, random.Random(a.seed), 0, a.scene + a.shared_map)

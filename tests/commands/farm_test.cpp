@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// `lucerna farm` without Slurm: a packed scene needs nothing but its folder, and its parts make the
-/// bits of one render. slurm.sh beside this file runs it with Slurm.
+/// `lucerna farm` without Slurm: a packed scene needs nothing but its folder, and its parts make
+/// the bits of one render. slurm.sh beside this file runs it with Slurm.
 #include "core/interfaces/command.h"
 #include "tests/commands/process.h"
 
