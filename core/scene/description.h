@@ -84,6 +84,14 @@ struct Element {
     bool incomplete = false;
 };
 
+/// A file or folder that the reader itself looked for, for `<include>`, `<path>` or `<spectrum>`.
+/// Files that plugins read are properties instead.
+struct FoundFile {
+    Location where;  ///< of the name
+    std::string path;
+    const SourceFile* included = nullptr;  ///< what `<include>` read
+};
+
 /// A whole scene. Addresses of sources and elements are stable, also when it is moved.
 struct Description {
     Description() = default;
@@ -99,6 +107,7 @@ struct Description {
     bool buildable = false;
     /// Folders in which relative file names are looked for, in order.
     std::vector<std::string> search_paths;
+    std::vector<FoundFile> found_files;
     /// Hash of everything that was read, after overrides: equal hashes mean equal scenes.
     std::uint64_t hash = 0;
 };

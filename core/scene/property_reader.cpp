@@ -174,7 +174,8 @@ std::optional<Rgb> PropertyReader::read_spectrum_tag(const Tag& tag, const ReadC
         const SpectrumUse use =
             context.in_emitter ? SpectrumUse::emission : SpectrumUse::reflectance;
         if (tag.has("filename")) {
-            const std::filesystem::path path = find_file(text, search_paths_);
+            const std::filesystem::path path = find_file(text, description_.search_paths);
+            description_.found_files.push_back({tag.where(attribute), path.string()});
             return {ColorD(rgb_from_spectrum(read_spectrum(path), use))};
         }
         if (text.find(':') == std::string_view::npos) {

@@ -11,10 +11,9 @@ namespace lucerna {
 
 class PropertyReader {
 public:
-    /// Files of spectra are looked for in `search_paths`.
-    PropertyReader(Definitions& definitions, const std::vector<std::string>& search_paths,
-                   Diagnostics& diagnostics)
-        : definitions_(definitions), search_paths_(search_paths), diagnostics_(diagnostics) {}
+    /// Files of spectra are looked for in the search paths of `description`, and noted there.
+    PropertyReader(Definitions& definitions, Description& description, Diagnostics& diagnostics)
+        : definitions_(definitions), description_(description), diagnostics_(diagnostics) {}
 
     /// True for the tags of properties: "float", "rgb", "transform".
     static bool is_property(std::string_view tag);
@@ -44,7 +43,7 @@ private:
         -> std::optional<decltype(parse())>;
 
     Definitions& definitions_;
-    const std::vector<std::string>& search_paths_;
+    Description& description_;
     Diagnostics& diagnostics_;
 };
 

@@ -46,7 +46,7 @@ public:
           diagnostics_(diagnostics),
           main_(description_.sources.emplace_back()),
           definitions_(options.defines, options.limits.max_bytes, description_, diagnostics),
-          properties_(definitions_, description_.search_paths, diagnostics),
+          properties_(definitions_, description_, diagnostics),
           references_(diagnostics) {}
 
     Description read(std::string path, std::string text, const ReadOptions& options) {
@@ -298,6 +298,7 @@ private:
         try {
             const fs::path folder = find_folder(tag.value("value"), description_.search_paths);
             description_.search_paths.insert(description_.search_paths.begin(), folder.string());
+            description_.found_files.push_back({tag.where("value"), folder.string()});
         } catch (const Error& error) {
             diagnostics_.error(tag.where("value"), error.what());
         }
@@ -323,6 +324,7 @@ private:
             const std::vector<std::uint8_t> bytes = read_file_bytes(path);
             SourceFile& source = description_.sources.emplace_back(
                 SourceFile{path.string(), {bytes.begin(), bytes.end()}, false});
+            description_.found_files.push_back({where, source.path, &source});
             open_files_.push_back(&source);
             add_search_path(folder_of(source.path));
             ReadContext inner = context;

@@ -1,0 +1,112 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# `lucerna farm` with a real Slurm: two virtual nodes on this host, without munge, on loopback.
+# Renders eight parts, stops one part by SIGUSR1 as at a time limit, kills a node's daemon with all
+# that runs on it, and compares the merged picture with a single render, bit by bit. Exit code 77:
+# Slurm is not installed, or this is not root.
+#
+#   tests/commands/slurm.sh PATH-OF-LUCERNA
+set -euo pipefail
+root=$(dirname -- "$(dirname -- "$(dirname -- "$(readlink -f -- "$0")")")")
+lucerna=$(readlink -f -- "$1")
+PATH=$PATH:/usr/sbin:/sbin
+for program in slurmctld slurmd sbatch squeue scontrol; do
+    command -v "$program" > /dev/null && continue
+    echo "skipped: $program is not installed (package slurm-wlm)"
+    exit 77
+done
+((EUID == 0)) || { echo "skipped: Slurm's daemons need root" && exit 77; }
+
+scratch=$(mktemp -d)
+daemons=()
+# Ends a process and all that it has started.
+kill_tree() {
+    local child
+    for child in $(pgrep -P "$1" || true); do kill_tree "$child"; done
+    kill -KILL "$1" 2> /dev/null || true
+}
+# Steps of jobs are no children of the daemons that started them, but know their configuration.
+kill_steps() {
+    local process
+    for process in $(pgrep slurmstepd || true); do
+        grep -qzx "SLURM_CONF=$SLURM_CONF" "/proc/$process/environ" 2> /dev/null || continue
+        [[ -z ${1-} ]] || grep -qz "$1" "/proc/$process/cmdline" || continue
+        kill_tree "$process"
+    done
+}
+finish() {
+    local code=$?
+    ((code == 0)) || tail -n 20 "$scratch"/*.log "$scratch"/job/logs/* 2> /dev/null || true
+    for daemon in "${daemons[@]}"; do kill_tree "$daemon"; done
+    kill_steps
+    wait 2> /dev/null || true
+    rm -rf "$scratch"
+    exit "$code"
+}
+trap finish EXIT
+fail() { echo "FAILED: $*" >&2 && exit 1; }
+# wait_for SECONDS WHAT COMMAND…: until the command succeeds.
+wait_for() {
+    local end=$((SECONDS + $1)) what=$2
+    shift 2
+    until "$@"; do
+        ((SECONDS < end)) || fail "$what"
+        sleep 0.3
+    done
+}
+
+host=$(hostname -s)
+export SLURM_CONF=$scratch/slurm.conf
+sed -e "s|@HOST@|$host|; s|@FOLDER@|$scratch|" "$root/tests/commands/slurm.conf.in" > "$SLURM_CONF"
+mkdir "$scratch/state"
+slurmctld -D > "$scratch/controller.log" 2>&1 &
+daemons+=($!)
+for node in one two; do
+    slurmd -D -N "$node" > "$scratch/$node.log" 2>&1 &
+    daemons+=($!)
+done
+all_idle() { [[ $(sinfo --noheader --format=%t:%D 2> /dev/null) == idle:2 ]]; }
+wait_for 30 "the nodes do not get ready" all_idle
+
+cd -- "$scratch"
+scene=$root/scenes/cornell-box/scene.xml
+"$lucerna" render "$scene" --resolution 160x160 --spp 256 --quiet -o single
+"$lucerna" farm "$scene" --resolution 160x160 --parts 8 --spp 256 -o job --quiet --submit
+job=$(cut -d ' ' -f 1 job/slurm_jobs.txt)
+
+running() { [[ $(squeue --noheader --array --jobs="$job" --states=R | wc -l) -ge $1 ]]; }
+done_parts() { [[ $(find job/parts -name '*.exr' | wc -l) -ge $1 ]]; }
+wait_for 60 "no parts run" running 2
+
+# As before a time limit: the part writes a checkpoint and asks for another turn.
+part=$(squeue --noheader --array --jobs="$job" --states=R --format=%K | head -n 1)
+# scancel tries for long to signal a part that has gone back to the queue meanwhile.
+timeout 3 scancel --batch --signal=USR1 "${job}_$part" 2> /dev/null || true
+stopped() { grep -q '^end .* 1[34][03]$' "job/records/$part.txt"; }
+wait_for 60 "SIGUSR1 does not stop part $part" stopped
+
+wait_for 120 "no part is done" done_parts 1
+node_two_works() { [[ -n $(squeue --noheader --nodelist=two --states=R) ]]; }
+wait_for 60 "node two has nothing to do" node_two_works
+lost=$(squeue --noheader --array --nodelist=two --states=R --format=%K | head -n 1)
+echo "killing node two with part $lost"
+kill -KILL "${daemons[2]}"
+kill_steps '\[.*'
+"$lucerna" farm job --status || true
+
+# What was requeued waits for two minutes by default; a person may say: now.
+hurry() {
+    local part
+    for part in $(squeue --noheader --array --jobs="$job" --states=PD --format=%F_%K); do
+        scontrol update "JobId=$part" StartTime=now 2> /dev/null || true
+    done
+}
+merged() { hurry && [[ -e job/scene.exr && -e job/scene.png ]]; }
+wait_for 240 "the parts are never merged: $(squeue)" merged
+
+"$lucerna" diff job/scene.exr single.exr --json > diff.json || fail "the pictures differ"
+[[ $(grep -c '"mse": 0.0' diff.json) == 2 ]] || { cat diff.json && fail "the bits differ"; }
+cmp job/scene.png single.png || fail "the PNGs differ"
+"$lucerna" farm job --status | tee status.txt
+grep -q '8 of 8 parts done' status.txt || fail "the status is wrong"
+echo "eight parts, one lost node, one requeued part: the same bits"
