@@ -25,7 +25,7 @@ protected:
         FilmState film(film_layout(*scene), range.begin);
         film = scene.render(noisy_estimate, options, std::move(film));
         PartRecord record = {.planned = SampleRanges(range), .all_samples = 100, .parts = 1};
-        record.begin = static_cast<double>(range.begin);
+        record.begin = static_cast<double>(1000 + range.begin);
         record.end = static_cast<double>(range.end);
         write_state(folder / name, film, identity, 1.5, record);
         return folder / name;
@@ -61,7 +61,7 @@ TEST_F(MergeStates, InAnyOrderIsOneRender) {
         EXPECT_EQ(merged.part.samples.text(), "0-99");
         EXPECT_EQ(merged.seconds, 6);
         EXPECT_EQ(merged.part.parts, 4);
-        EXPECT_EQ(merged.part.begin, 0);
+        EXPECT_EQ(merged.part.begin, 1000);
         EXPECT_EQ(merged.part.end, 100);
         EXPECT_TRUE(absent_samples(merged.part).empty());
     }
