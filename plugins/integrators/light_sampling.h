@@ -21,9 +21,10 @@ inline float power_heuristic(float a, float b) {
     return ratio * ratio / (1 + ratio * ratio);
 }
 
-/// Probability to survive Russian roulette for a path of throughput `beta`; `eta2` undoes the scaling of radiance by
-/// refraction. The limit lets paths end where nothing is absorbed. A throughput that grows by
-/// albedo / limit at a step has infinite variance if albedo² > limit: only above 0.9995.
+/// Probability to survive Russian roulette for a path of throughput `beta`; `eta2` undoes the
+/// scaling of radiance by refraction. The limit lets paths end where nothing is absorbed. A
+/// throughput that grows by albedo / limit at a step has infinite variance if albedo² > limit: only
+/// above 0.9995.
 inline float survival_probability(Color beta, float eta2) {
     return std::min(max_component(beta) * eta2, 0.999f);
 }

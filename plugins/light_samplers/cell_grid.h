@@ -95,7 +95,7 @@ private:
         return key;
     }
 
-    /// The one of the six axes that is nearest to the normal, or 6 if light arrives from both sides.
+    /// The one of six axes that is nearest to the normal, or 6 if light arrives from both sides.
     static std::uint64_t face(const Receiver& at) {
         if (at.sides == Sides::both) return 6;
         const Vector3 a = absolute(at.n);

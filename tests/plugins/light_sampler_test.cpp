@@ -177,7 +177,8 @@ TEST(LightLanes, AreZeroOnlyWhereNothingCanArrive) {
         LightLanes lanes;
         lanes.set(3, cluster, -1);
         float result[LightLanes::width];
-        contributions(lanes, ReceiverRegion(Receiver{.n = {0, 0, 1}, .ns = {0, 0, 1}, .sides = sides}),
+        contributions(lanes,
+                      ReceiverRegion(Receiver{.n = {0, 0, 1}, .ns = {0, 0, 1}, .sides = sides}),
                       result);
         return result[3];
     };

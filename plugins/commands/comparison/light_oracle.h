@@ -266,7 +266,7 @@ public:
     }
 
 private:
-    /// Mean of variance(moments, lost) over c² + (0.05 c̄)²: nearly dark points do not count for much.
+    /// Mean of variance(moments, lost) over c² + (0.05 c̄)²: nearly dark points count for little.
     template <typename Variance>
     OracleFigures figures(const Variance& variance) const {
         OracleFigures result;
