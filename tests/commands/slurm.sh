@@ -25,7 +25,8 @@ kill_tree() {
     for child in $(pgrep -P "$1" || true); do kill_tree "$child"; done
     kill -KILL "$1" 2> /dev/null || true
 }
-# Steps of jobs are no children of the daemons that started them, but know their configuration.
+# kill_steps [PATTERN]: of this Slurm, those whose title matches. They are no children of the
+# daemons that started them, but know their configuration.
 kill_steps() {
     local process
     for process in $(pgrep slurmstepd || true); do
@@ -61,9 +62,11 @@ sed -e "s|@HOST@|$host|; s|@FOLDER@|$scratch|" "$root/tests/commands/slurm.conf.
 mkdir "$scratch/state"
 slurmctld -D > "$scratch/controller.log" 2>&1 &
 daemons+=($!)
+disown
 for node in one two; do
     slurmd -D -N "$node" > "$scratch/$node.log" 2>&1 &
     daemons+=($!)
+    disown
 done
 all_idle() { [[ $(sinfo --noheader --format=%t:%D 2> /dev/null) == idle:2 ]]; }
 wait_for 30 "the nodes do not get ready" all_idle
@@ -89,9 +92,11 @@ wait_for 120 "no part is done" done_parts 1
 node_two_works() { [[ -n $(squeue --noheader --nodelist=two --states=R) ]]; }
 wait_for 60 "node two has nothing to do" node_two_works
 lost=$(squeue --noheader --array --nodelist=two --states=R --format=%K | head -n 1)
+job_of_lost=$(squeue --noheader --array --nodelist=two --states=R --format=%A | head -n 1)
 echo "killing node two with part $lost"
 kill -KILL "${daemons[2]}"
-kill_steps '\[.*'
+kill_steps "\[$job_of_lost\."
+was_done=$([[ -e job/parts/$lost.exr ]] && echo yes || true)
 "$lucerna" farm job --status || true
 
 # What was requeued waits for two minutes by default; a person may say: now.
@@ -109,4 +114,6 @@ wait_for 240 "the parts are never merged: $(squeue)" merged
 cmp job/scene.png single.png || fail "the PNGs differ"
 "$lucerna" farm job --status | tee status.txt
 grep -q '8 of 8 parts done' status.txt || fail "the status is wrong"
+[[ -n $was_done || $(grep -c '^start' "job/records/$lost.txt") -ge 2 ]] ||
+    fail "part $lost was not started again"
 echo "eight parts, one lost node, one requeued part: the same bits"
