@@ -3,8 +3,8 @@
 #pragma once
 
 #include "core/interfaces/film.h"
-#include "core/interfaces/sampler.h"
 #include "core/interfaces/interaction.h"
+#include "core/interfaces/sampler.h"
 #include "core/math/transform.h"
 #include "core/plugin/plugin.h"
 

@@ -112,9 +112,10 @@ struct Description {
     std::uint64_t hash = 0;
 };
 
-/// Hash of kinds, types, names, values and structure, in an order that does not depend on how properties
-/// are ordered. Ids and places do not count; of files that plugins will read only the names count
-/// here, the contents are added when they are found (Scene::hash). The same on every machine.
+/// Hash of kinds, types, names, values and structure, in an order that does not depend on how the
+/// properties are ordered. Ids and places do not count; of files that plugins will read only the
+/// names count here, the contents are added when they are found (Scene::hash). The same on every
+/// machine.
 std::uint64_t hash_of(const Description& description);
 
 }  // namespace lucerna

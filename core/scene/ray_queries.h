@@ -2,8 +2,8 @@
 /// Rays together with the answers to what is asked about them, so that many are traced at once.
 #pragma once
 
-#include "core/interfaces/lanes.h"
 #include "core/interfaces/interaction.h"
+#include "core/interfaces/lanes.h"
 
 #include <optional>
 

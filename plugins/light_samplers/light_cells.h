@@ -2,7 +2,7 @@
 /// What a region of the scene remembers of the lights around it.
 ///
 /// Among the candidates that a study (light_study.h) found, the lights that bring most are weighed
-/// at each point, at most K, until they bring a given part of what all candidates do; the others, and
+/// at each point, at most K, until they bring a given part of what all do; the others, and
 /// clusters of lights, are weighed once. What a cell learnt of a candidate with its own few rays is
 /// joined with what its neighbours learnt of it. In scenes of some thousand lights a cell remembers
 /// all of them, those without a ray at the visibility that is usual there; in larger ones a cut
