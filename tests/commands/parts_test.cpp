@@ -200,18 +200,19 @@ TEST_F(PartsTest, ATimeLimitIsToldAndCanBeRaised) {
 }
 
 TEST_F(PartsTest, KilledAtRandomNothingIsLost) {
-    render({"-q", "-o", "whole", "--resolution", "64x48", "--spp", "600"});
+    render({"-q", "-o", "whole", "--resolution", "64x48", "--spp", "1200"});
     Rng rng(17);
     int killed = 0, requeued = 0;
-    unsigned longest = 150;  // [ms]; grows, for machines that need as much to begin
+    unsigned longest = 100;  // [ms]; grows, for machines that need as much to begin
+    int signal = SIGTERM;
     for (int part = 1; part <= 3; ++part) {
         for (bool done = false; !done;) {
             Process process(folder.path(), {"render", "scene.xml", "-q", "--resolution", "64x48",
-                                            "--spp", "600", "--part", std::to_string(part) + "/3",
+                                            "--spp", "1200", "--part", std::to_string(part) + "/3",
                                             "-o", file_of(part), "--checkpoint-every", "0.02"});
             std::this_thread::sleep_for(std::chrono::milliseconds(30 + rng.next_uint() % longest));
             longest += 10;
-            const int signal = rng.next_uint() % 2 == 0 ? SIGKILL : SIGTERM;
+            signal = signal == SIGTERM ? SIGKILL : SIGTERM;
             process.kill(signal);
             const int code = process.wait();
             const bool again = code == exit_code::interrupted || code == 128 + signal;
@@ -265,6 +266,11 @@ TEST_F(PartsTest, PartsOutOfRangeAreRefused) {
         "--checkpoint and --resume\n";
     EXPECT_EQ(refusal("1/4", {"-o", "p.exr", "--resume"}), own);
     EXPECT_EQ(refusal("1/4", {"-o", "p.exr", "--checkpoint", "c.exr"}), own);
+    const std::string unseen =
+        "lucerna render: --part writes a state and shows no picture; leave out --preview and "
+        "--json-progress\n";
+    EXPECT_EQ(refusal("1/4", {"-o", "p.exr", "--preview", "web"}), unseen);
+    EXPECT_EQ(refusal("1/4", {"-o", "p.exr", "--json-progress"}), unseen);
     EXPECT_EQ(refusal("1/4", {"-o", "p.exr", "--error", "0.1"}),
               "lucerna render: --part cannot know the error of the whole picture; leave out "
               "--error\n");
