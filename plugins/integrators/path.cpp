@@ -114,8 +114,9 @@ private:
 void PathIntegrator::prepare(const Scene& scene) {
     splitting_ = {.light_samples = emitter_samples_, .block_size = reuse_};
     // Samplers of many draws make a path's own light good, and reuse dear.
-    if (max_depth_ <= 2 || light_sampler_.draws() > 8) splitting_.block_size = 1;
-    if (max_depth_ <= 1 || light_sampler_.draws() > 8) splitting_.light_samples = 1;
+    const bool many_draws = light_sampler_.draws() > 8;
+    if (max_depth_ <= 2 || many_draws) splitting_.block_size = 1;
+    if (emitter_samples_ == 0 && (max_depth_ <= 1 || many_draws)) splitting_.light_samples = 1;
     if (splitting_.light_samples > 0 && splitting_.block_size > 0) return;
     const PathNoise noise = PathNoiseMeter(scene).measure(
         [&](std::span<CameraSample> samples, std::span<ReusablePath> kept, int light_samples) {
