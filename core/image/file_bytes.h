@@ -32,7 +32,7 @@ private:
     std::uint64_t size_;
 };
 
-/// Of bytes in memory: any change of one byte changes it. The same on little-endian machines.
+/// A hash of bytes in memory; a change of one byte changes it. The same on little-endian machines.
 std::uint64_t hash_of_bytes(std::span<const std::uint8_t> bytes);
 
 /// A hash of size and contents, to tell whether a file has changed: no protection against malice.

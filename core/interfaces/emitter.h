@@ -21,7 +21,7 @@ namespace lucerna {
 /// pbrt 4e, 12.6.3). Conservative: nothing is emitted outside.
 struct LightBounds {
     Bounds3 box;              ///< of the emitting points; empty for lights at infinity
-    Bounds3 directions{};     ///< of unit vectors towards a light at infinity; empty for others
+    Bounds3 directions{};     ///< unit vectors towards a light at infinity; empty for others
     Vector3 axis{0, 0, 1};    ///< of the cone of normals
     float cos_normals = -1;   ///< cosine of the largest angle between axis and a normal
     float cos_emission = -1;  ///< cosine of the largest angle between a normal and emission

@@ -4,17 +4,16 @@
 /// All variants are rendered with one budget and independent seeds, several times and in turn,
 /// against one reference. The figures, their intervals and the test for bias are explained in
 /// docs/comparing.md; their formulas are in comparison/.
-#include "core/command_line/arguments.h"
 #include "core/image/atomic_file.h"
 #include "core/interfaces/command.h"
 #include "core/math/sequences.h"
 #include "core/render/interrupt.h"
-#include "core/render/session.h"
 #include "plugins/commands/comparison/comparison.h"
 #include "plugins/commands/comparison/oracle.h"
 #include "plugins/commands/comparison/page.h"
 #include "plugins/commands/comparison/report.h"
 #include "plugins/commands/comparison/runs.h"
+#include "plugins/commands/scene_options.h"
 
 #include <fmt/format.h>
 
@@ -28,16 +27,13 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What the command line says.
-struct Request {
-    std::string scene, output, reference = "auto";
+struct Request : SceneOptions {
+    std::string output, reference = "auto";
     std::vector<std::pair<std::string, std::string>> varied;
     RenderBudget budget;
     std::optional<std::uint64_t> reference_samples;
-    int repeats = 5, threads = 0, oracle_points = 200;
+    int repeats = 5, oracle_points = 200;
     std::uint64_t seed = 0;
-    std::vector<int> resolution;
-    std::vector<std::pair<std::string, std::string>> defines;
-    std::vector<std::string> overrides, plugin_folders;
     bool oracle = false, quiet = false, json = false;
 };
 
@@ -72,19 +68,11 @@ void declare_comparison(Arguments& arguments, Request& request) {
                      "folder for index.html, report.json, results.csv and reference.exr");
 }
 
-void declare_scene(Arguments& arguments, Request& request) {
-    arguments.option("--resolution", "WxH", request.resolution, 'x', 2, {.min = 1, .max = 65536},
-                     "size of the image [pixels]");
-    arguments.option("-D,--define", "NAME=VALUE", request.defines,
-                     "value of $NAME in the scene; may be repeated");
-    arguments.option("--set", "PATH=VALUE", request.overrides,
-                     "changes the scene, for all variants; may be repeated");
-    arguments.option("--plugins", "DIR", request.plugin_folders,
-                     "looks for plugins in DIR first; may be repeated");
+void declare_runs(Arguments& arguments, Request& request) {
+    declare_scene_options(arguments, request);
+    declare_threads(arguments, request);
     arguments.option("--seed", "N", request.seed, non_negative,
                      "all other seeds follow from it; 0 by default");
-    arguments.option("--threads", "N", request.threads, {.min = 0, .max = 4096},
-                     "0, the default: one for each processor");
     arguments.flag("-q,--quiet", request.quiet, "prints nothing but the table and errors");
     arguments.flag("--json", request.json, "prints the report as JSON instead of the table");
     arguments.footer(
@@ -155,21 +143,6 @@ void number_equal_names(std::vector<Variant>& variants) {
         const std::size_t count = names.count(variant.name);
         if (count > 1) variant.name += fmt::format(" ({})", count);
     }
-}
-
-SessionSettings session_settings(const Request& request) {
-    SessionSettings settings;
-    settings.scene = request.scene;
-    settings.threads = request.threads;
-    settings.defines = request.defines;
-    settings.overrides = request.overrides;
-    settings.plugin_folders.assign(request.plugin_folders.begin(), request.plugin_folders.end());
-    const char* names[] = {"width", "height"};
-    for (std::size_t i = 0; i < request.resolution.size(); ++i) {
-        settings.overrides.push_back(
-            fmt::format("sensor.film.{}={}", names[i], request.resolution[i]));
-    }
-    return settings;
 }
 
 /// One run of the command.
@@ -300,7 +273,7 @@ public:
         Request request;
         Arguments arguments("compare", "Compares variants of a scene: error, time, efficiency.");
         declare_comparison(arguments, request);
-        declare_scene(arguments, request);
+        declare_runs(arguments, request);
         if (const std::optional<int> code = arguments.parse(words)) return *code;
         std::vector<Variant> variants = combinations(request.varied);
         const std::string problem = contradiction(request, variants);

@@ -3,7 +3,6 @@
 ///
 /// A scene is packed into a folder that all machines can read, with a script for its parts and one
 /// that merges them (farm/job_folder.h). docs/many_machines.md tells how to use it.
-#include "core/command_line/arguments.h"
 #include "core/interfaces/command.h"
 #include "core/interfaces/sampler.h"
 #include "plugins/commands/farm/job_scripts.h"
@@ -11,6 +10,7 @@
 #include "plugins/commands/farm/local_run.h"
 #include "plugins/commands/farm/scene_pack.h"
 #include "plugins/commands/farm/slurm.h"
+#include "plugins/commands/scene_options.h"
 
 #include <chrono>
 
@@ -23,21 +23,19 @@ namespace fs = std::filesystem;
 /// Slurm's default for MaxArraySize allows no number above it.
 constexpr int most_parts = 1000;
 
-/// What the command line says.
-struct Request {
-    std::string source, output;
+/// What the command line says; `scene` may also be the folder of a job.
+struct Request : SceneOptions {
+    std::string output;
     int parts = 0, local = 0;
     std::optional<std::uint64_t> samples;
     std::optional<double> seconds;
     std::uint64_t seed = 0;
-    std::vector<int> resolution;
-    std::vector<std::pair<std::string, std::string>> defines;
-    std::vector<std::string> overrides, plugin_folders, slurm_options;
+    std::vector<std::string> slurm_options;
     bool submit = false, status = false, quiet = false, json = false;
 };
 
 void declare_job(Arguments& arguments, Request& request) {
-    arguments.positional("SCENE", request.source,
+    arguments.positional("SCENE", request.scene,
                          "an XML file to be packed into a new job, or the folder of a job");
     arguments.option("--parts", "N", request.parts, {.min = 1, .max = most_parts},
                      "of how many parts the samples are made; one node renders each");
@@ -50,14 +48,7 @@ void declare_job(Arguments& arguments, Request& request) {
                      "ends each part after this time, whatever it has; without, parts are whole");
     arguments.option("--seed", "N", request.seed, non_negative,
                      "another number, another noise; 0 by default");
-    arguments.option("--resolution", "WxH", request.resolution, 'x', 2, {.min = 1, .max = 65536},
-                     "size of the whole image [pixels]");
-    arguments.option("-D,--define", "NAME=VALUE", request.defines,
-                     "value of $NAME in the scene; may be repeated");
-    arguments.option("--set", "PATH=VALUE", request.overrides,
-                     "changes the scene; may be repeated");
-    arguments.option("--plugins", "DIR", request.plugin_folders,
-                     "looks for plugins in DIR first; may be repeated");
+    declare_scene_options(arguments, request);
     arguments.option("--slurm", "OPTION", request.slurm_options,
                      "an option of sbatch for the scripts, as --slurm=--partition=long; may be "
                      "repeated");
@@ -86,21 +77,21 @@ std::string wrong_for_job(const Request& request) {
                        !request.resolution.empty() || !request.defines.empty() ||
                        !request.overrides.empty() || !request.plugin_folders.empty() ||
                        !request.slurm_options.empty();
-    if (!JobFolder::is_job(request.source)) {
+    if (!JobFolder::is_job(request.scene)) {
         return fmt::format(
             "{} is no folder of a job: there is no job.txt in it; `lucerna farm "
             "SCENE --parts N -o {}` makes one",
-            request.source, request.source);
+            request.scene, request.scene);
     }
     if (packs) {
         return fmt::format(
             "{} is packed already: only --submit, --local, --status, --quiet and "
             "--json go with it; change its scripts, or pack the scene anew",
-            request.source);
+            request.scene);
     }
     if (!request.submit && !request.status && request.local == 0) {
         return fmt::format("what is to be done with {}? Give --submit, --local N or --status",
-                           request.source);
+                           request.scene);
     }
     return "";
 }
@@ -111,7 +102,7 @@ std::string contradiction(const Request& request) {
         return "give only one of --submit, --local and --status";
     }
     if (request.json && !request.status) return "--json goes with --status";
-    if (fs::is_directory(request.source)) return wrong_for_job(request);
+    if (fs::is_directory(request.scene)) return wrong_for_job(request);
     if (request.status) return "--status needs the folder of a job instead of a scene";
     if (request.parts == 0) return "--parts N is missing: of how many parts the job is made";
     if (request.output.empty()) return "-o DIR is missing: the folder of the job";
@@ -125,20 +116,6 @@ std::string contradiction(const Request& request) {
                            quote(option));
     }
     return "";
-}
-
-SessionSettings session_settings(const Request& request) {
-    SessionSettings settings;
-    settings.scene = request.source;
-    settings.defines = request.defines;
-    settings.overrides = request.overrides;
-    settings.plugin_folders.assign(request.plugin_folders.begin(), request.plugin_folders.end());
-    const char* names[] = {"width", "height"};
-    for (std::size_t i = 0; i < request.resolution.size(); ++i) {
-        settings.overrides.push_back(
-            fmt::format("sensor.film.{}={}", names[i], request.resolution[i]));
-    }
-    return settings;
 }
 
 /// The verb and its words as a shell reads them.
@@ -205,7 +182,7 @@ int show_status(const Request& request, const JobFolder& job) {
 
 int run_job(const Request& request) {
     const JobFolder job =
-        fs::is_directory(request.source) ? JobFolder::read(request.source) : pack_job(request);
+        fs::is_directory(request.scene) ? JobFolder::read(request.scene) : pack_job(request);
     if (request.status) return show_status(request, job);
     if (request.local > 0) return LocalRun(job, request.local, request.quiet).run();
     if (request.submit) submit(job);

@@ -2,9 +2,8 @@
 /// What the command line of `lucerna render` says.
 #pragma once
 
-#include "core/command_line/arguments.h"
 #include "core/render/output.h"
-#include "core/render/session.h"
+#include "plugins/commands/scene_options.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +12,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace lucerna {
@@ -23,16 +21,13 @@ struct Part {
     std::uint64_t number = 0, count = 0;
 };
 
-struct Request {
-    std::string scene, output, checkpoint, view, preview;
+struct Request : SceneOptions {
+    std::string output, checkpoint, view, preview;
     RenderBudget budget;
     std::uint64_t seed = 0;
-    int threads = 0;
     std::string part_text;
     std::optional<Part> part;
-    std::vector<int> resolution, crop;
-    std::vector<std::pair<std::string, std::string>> defines;
-    std::vector<std::string> overrides, plugin_folders;
+    std::vector<int> crop;
     double checkpoint_seconds = 60, exposure = 0;
     bool resume = false, quiet = false, json = false, json_progress = false;
 };
@@ -42,21 +37,12 @@ inline void declare_what(Arguments& arguments, Request& request) {
     arguments.option("-o,--output", "FILE", request.output,
                      "the pictures: FILE.exr (linear, all layers) and FILE.png (as displayed); by "
                      "default they are named after the scene, in the current directory");
-    arguments.option("--resolution", "WxH", request.resolution, 'x', 2, {.min = 1, .max = 65536},
-                     "size of the whole image [pixels]");
+    declare_scene_options(arguments, request);
     arguments.option("--crop", "X,Y,W,H", request.crop, ',', 4, {.min = 0, .max = 65536},
                      "renders this part only; it is exactly a part of the whole image");
-    arguments.option("-D,--define", "NAME=VALUE", request.defines,
-                     "value of $NAME in the scene; may be repeated");
-    arguments.option("--set", "PATH=VALUE", request.overrides,
-                     "changes the scene, for example integrator.max_depth=8 or "
-                     "integrator.light_sampler=power; may be repeated");
-    arguments.option("--plugins", "DIR", request.plugin_folders,
-                     "looks for plugins in DIR first; may be repeated");
     arguments.option("--seed", "N", request.seed, non_negative,
                      "another number, another noise; 0 by default");
-    arguments.option("--threads", "N", request.threads, {.min = 0, .max = 4096},
-                     "0, the default: one for each processor");
+    declare_threads(arguments, request);
 }
 
 inline void declare_how(Arguments& arguments, Request& request) {
@@ -156,24 +142,11 @@ inline std::string contradiction(const Request& request) {
 }
 
 inline SessionSettings session_settings(const Request& request) {
-    SessionSettings settings;
-    settings.scene = request.scene;
-    settings.threads = request.threads;
-    settings.defines = request.defines;
-    settings.overrides = request.overrides;
-    settings.plugin_folders.assign(request.plugin_folders.begin(), request.plugin_folders.end());
-    const auto set_film = [&](const char* name, int value) {
-        settings.overrides.push_back(fmt::format("sensor.film.{}={}", name, value));
-    };
-    if (!request.resolution.empty()) {
-        set_film("width", request.resolution[0]);
-        set_film("height", request.resolution[1]);
-    }
-    if (!request.crop.empty()) {
-        set_film("crop_offset_x", request.crop[0]);
-        set_film("crop_offset_y", request.crop[1]);
-        set_film("crop_width", request.crop[2]);
-        set_film("crop_height", request.crop[3]);
+    SessionSettings settings = session_settings(static_cast<const SceneOptions&>(request));
+    const char* names[] = {"offset_x", "offset_y", "width", "height"};
+    for (std::size_t i = 0; i < request.crop.size(); ++i) {
+        settings.overrides.push_back(
+            fmt::format("sensor.film.crop_{}={}", names[i], request.crop[i]));
     }
     return settings;
 }
