@@ -114,11 +114,13 @@ private:
 void PathIntegrator::prepare(const Scene& scene) {
     splitting_ = {.light_samples = emitter_samples_, .block_size = reuse_};
     // Samplers of many draws make a path's own light good, and reuse dear.
-    const bool many_draws = light_sampler_.draws() > 8;
-    if (max_depth_ <= 2 || many_draws) splitting_.block_size = 1;
-    if (emitter_samples_ == 0 && (max_depth_ <= 1 || many_draws)) splitting_.light_samples = 1;
+    const std::uint32_t draws = light_sampler_.draws();
+    if (max_depth_ <= 2 || draws == 0 || draws > 8) splitting_.block_size = 1;
+    const bool one_pass = max_depth_ <= 1 || draws == 0 || draws > 8;
+    if (emitter_samples_ == 0 && one_pass) splitting_.light_samples = 1;
     if (splitting_.light_samples > 0 && splitting_.block_size > 0) return;
     const PathNoise noise = PathNoiseMeter(scene).measure(
+        splitting_.light_samples,
         [&](std::span<CameraSample> samples, std::span<ReusablePath> kept, int light_samples) {
             trace(scene, samples, kept, light_samples);
         });

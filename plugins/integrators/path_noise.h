@@ -68,9 +68,11 @@ class PathNoiseMeter {
 public:
     explicit PathNoiseMeter(const Scene& scene) : scene_(scene) {}
 
-    /// `trace(samples, kept, light_samples)` fills the samples with what is not shared.
+    /// `trace(samples, kept, light_samples)` fills the samples with what is not shared. With
+    /// `light_samples`, a number that is given, the part of the lights is not asked for.
     template <typename Trace>
-    PathNoise measure(Trace&& trace) const {
+    PathNoise measure(int light_samples, Trace&& trace) const {
+        if (light_samples > 0) return measure_with(light_samples, trace);
         PathNoise noise = measure_with(1, trace);
         constexpr int several = 4;
         const PathNoise other = measure_with(several, trace);
