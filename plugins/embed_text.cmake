@@ -20,3 +20,17 @@ const std::size_t ${name}_size = sizeof ${name};
 }  // namespace lucerna
 ")
 endfunction()
+
+# embed_page(FOLDER NAME OUTPUT PART=PATH …): the same for page.html of a folder, in which the
+# content of each PATH takes the place of the comment /* PART */.
+function(embed_page folder name output)
+    file(READ ${folder}/page.html page)
+    foreach(part IN LISTS ARGN)
+        string(REPLACE "=" ";" part "${part}")
+        list(GET part 0 key)
+        list(GET part 1 path)
+        file(READ ${path} content)
+        string(REPLACE "/* ${key} */" "${content}" page "${page}")
+    endforeach()
+    embed_text("${page}" ${name} ${output})
+endfunction()

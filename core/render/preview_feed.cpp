@@ -20,7 +20,8 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Of the processors' time. Viewers that fetch a picture take some more.
+/// The most of the processors' time that copying and showing may take. Viewers that fetch a picture
+/// take some more.
 constexpr double share_of_time = 0.005;
 constexpr double least_interval = 0.5;  // [s]
 constexpr std::chrono::milliseconds status_interval = 500ms;
