@@ -67,14 +67,8 @@ RenderResult Session::render(RenderOptions options, std::optional<RenderState> f
     figures.render_seconds = seconds_since(start);
     figures.cpu_seconds = cpu_seconds();
     figures.earlier_seconds = earlier_seconds;
-    figures.samples = film.complete_samples();
     figures.rays = difference(ray_statistics(), rays_before);
-    figures.error = film.error();
-    figures.dropped_samples = film.dropped_samples();
-    if (const auto pixel = film.first_dropped_pixel()) {
-        figures.first_dropped_pixel = fmt::format("{}, {}", pixel->x, pixel->y);
-    }
-    figures.empty_pixels = film.empty_pixels();
+    describe_film(film, figures);
     figures.peak_memory = peak_memory();
     figures.accelerator_bytes = scene_->accelerator_bytes();
     figures.threads = job.workers().count();

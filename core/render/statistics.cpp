@@ -2,6 +2,7 @@
 #include "core/render/statistics.h"
 
 #include "core/plugin/registry.h"
+#include "core/render/film_state.h"
 
 #include <fmt/format.h>
 
@@ -44,6 +45,16 @@ std::uint64_t peak_memory() {
 double cpu_seconds() {
     const rusage usage = usage_of_process();
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+void describe_film(const FilmState& film, RenderFigures& figures) {
+    figures.samples = film.complete_samples();
+    figures.error = film.error();
+    figures.dropped_samples = film.dropped_samples();
+    if (const auto pixel = film.first_dropped_pixel()) {
+        figures.first_dropped_pixel = fmt::format("{}, {}", pixel->x, pixel->y);
+    }
+    figures.empty_pixels = film.empty_pixels();
 }
 
 std::string figures_text(const RenderFigures& figures) {

@@ -13,6 +13,8 @@
 
 namespace lucerna {
 
+class FilmState;
+
 struct RenderFigures {
     double load_seconds = 0;     ///< reading the scene file
     double build_seconds = 0;    ///< constructing and preparing all objects
@@ -36,6 +38,9 @@ struct RenderFigures {
 
     double rays_per_second() const;
 };
+
+/// Fills in what the film tells: samples, error, samples and pixels that are missing.
+void describe_film(const FilmState& film, RenderFigures& figures);
 
 /// "load 0.01 s, build 0.12 s, render 3.45 s; 64 spp; 5.67 Mrays/s; relMSE 1.2e-03 (95 %:
 /// 1.1e-03 … 1.3e-03)"

@@ -78,16 +78,9 @@ std::string contradiction(const Request& request) {
 
 /// The figures of the whole, as far as parts can tell them.
 RenderFigures figures_of(const RenderState& state) {
-    const FilmState& film = state.film;
     RenderFigures figures;
     figures.earlier_seconds = state.seconds;
-    figures.samples = film.complete_samples();
-    figures.error = film.error();
-    figures.dropped_samples = film.dropped_samples();
-    if (const auto pixel = film.first_dropped_pixel()) {
-        figures.first_dropped_pixel = fmt::format("{}, {}", pixel->x, pixel->y);
-    }
-    figures.empty_pixels = film.empty_pixels();
+    describe_film(state.film, figures);
     figures.peak_memory = peak_memory();
     figures.seed = state.identity.seed;
     figures.scene_hash = state.identity.scene_hash;
