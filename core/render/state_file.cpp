@@ -284,7 +284,7 @@ std::vector<std::string> split(const std::string& text) {
     return words;
 }
 
-/// Of a file whose picture has this size and place.
+/// Layout of a file whose picture has this size and place.
 FilmLayout read_layout(const MetadataReader& reader, const ImageFile& file) {
     const FilmLayout layout = {
         .full_size = {file.full_width, file.full_height},

@@ -20,7 +20,7 @@ const Element* child_of_kind(const Element* parent, std::string_view kind) {
     return nullptr;
 }
 
-/// Of a parameter that is a single value; films have no others.
+/// Text of a parameter that is a single value; films have no others.
 std::optional<std::string> value_text(const PropertyValue& value) {
     if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
     if (const auto* integer = std::get_if<std::int64_t>(&value)) return std::to_string(*integer);

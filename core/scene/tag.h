@@ -36,7 +36,7 @@ struct Tag {
     /// Empty if there is no such attribute.
     std::string_view value(std::string_view attribute) const;
     bool has(std::string_view attribute) const;
-    /// Of the element, or of the value of an attribute.
+    /// Place of the element, or of the value of an attribute.
     Location where() const { return {source, element.offset()}; }
     Location where(std::string_view attribute) const;
 };

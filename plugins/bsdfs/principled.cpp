@@ -166,7 +166,7 @@ private:
     /// The width of the coat's facets is 0.1 to 0.001.
     GTR1 coat(Vector2 uv) const { return {sqr(glm::mix(0.1f, 0.001f, gloss_(uv)))}; }
 
-    /// Of the highlight, from outside.
+    /// Reflectance of the highlight, from outside.
     Color reflectance(const Point& here, float cos_theta) const {
         const Color dielectric = surface_.tinted(here.uv, here.base, cos_theta, eta_);
         if (here.metallic == 0) return dielectric;

@@ -132,7 +132,7 @@ private:
         return through ? Lobe::diffuse_transmission : Lobe::diffuse_reflection;
     }
 
-    /// Of the light that meets the facets.
+    /// The fraction of light that facets reflect, or let through.
     Color fraction(const Point& here, float cos_theta, bool through) const {
         if (!through) return surface_.tinted(here.uv, here.base, cos_theta, here.eta);
         return here.base * (1 - fresnel_dielectric(cos_theta, here.eta));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What a city (city_plan.h) is made of: parallelograms, sorted by part and shade.
 ///
-/// Of everything that can shine, as many are lit as are asked for. Which ones is a draw without
+/// As many of the things that can shine are lit as are asked for. Which ones is a draw without
 /// replacement, in which lamps have more tickets than shops, and shops more than windows of houses
 /// (Efraimidis and Spirakis 2006: the smallest of −log(u) / weight).
 #pragma once

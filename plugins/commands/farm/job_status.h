@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/command_line/json.h"
+#include "core/interfaces/command.h"
 #include "plugins/commands/farm/job_folder.h"
 
 #include <map>
@@ -27,7 +28,7 @@ struct PartStatus {
 };
 
 /// Exit codes after which a part is run again: a failure that may pass, or a signal.
-inline bool is_temporary(int code) { return code == 75 || code >= 128; }
+inline bool is_temporary(int code) { return code == exit_code::try_again || code >= 128; }
 
 struct JobStatus {
     std::vector<PartStatus> parts;  ///< part n at n - 1
@@ -44,7 +45,8 @@ inline PartStatus part_status(const JobFolder& job, int part, std::int64_t now,
                               const std::map<int, std::string>& queue) {
     PartStatus status;
     bool open = false;
-    for (const Attempt& attempt : job.attempts(part)) {
+    const std::vector<Attempt> attempts = job.attempts(part);
+    for (const Attempt& attempt : attempts) {
         status.host = attempt.host;
         open = !attempt.end;
         if (attempt.end) {
@@ -60,7 +62,7 @@ inline PartStatus part_status(const JobFolder& job, int part, std::int64_t now,
     } else if (open) {
         const bool lost = job.slurm_job() && queued == queue.end();
         status.state = lost ? PartState::lost : PartState::running;
-        if (!lost) status.seconds += static_cast<double>(now - job.attempts(part).back().start);
+        if (!lost) status.seconds += static_cast<double>(now - attempts.back().start);
     } else if (status.code != 0 && !is_temporary(status.code)) {
         status.state = PartState::failed;
     }

@@ -38,7 +38,7 @@ public:
         copy_plugins(folder / "plugins");
     }
 
-    /// Of the scene file, in the folder "scene".
+    /// Name of the scene file, in the folder "scene".
     const std::string& name() const { return name_; }
     /// Those of the settings, with the names of the copies.
     const std::vector<std::string>& overrides() const { return overrides_; }
