@@ -1,28 +1,49 @@
 # SPDX-License-Identifier: Apache-2.0
 # lucerna_plugin(bsdfs/mirror [LIBRARY...]): makes the plugin `mirror` of the folder's kind from
-# bsdfs/mirror.cpp, and links the libraries given. The same function builds plugins outside of
-# Lucerna's tree; there the result lies in <build>/plugins/bsdfs/mirror.so, ready for
-# `lucerna --plugins <build>/plugins`.
+# bsdfs/mirror.cpp, or from all .cpp files of the folder bsdfs/mirror/, and links the libraries
+# given. The same function builds plugins outside of Lucerna's tree; there the result lies in
+# <build>/plugins/bsdfs/mirror.so, ready for `lucerna --plugins <build>/plugins`.
+#
+# lucerna_shared(bsdfs/conductors): bsdfs/conductors.cpp is no plugin, but a part of several: they
+# link `shared_bsdfs_conductors`.
 include(GNUInstallDirs)
+
+# As the core is compiled: NaN stays NaN, and the processor's mode is left alone.
+function(lucerna_compile_as_plugin target)
+    target_link_libraries(${target} PRIVATE Lucerna::core)
+    if(TARGET lucerna_warnings)
+        target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:lucerna_warnings>)
+    endif()
+    target_compile_options(${target} PRIVATE
+        -fno-math-errno -fno-trapping-math -ffp-contract=off)
+    set_target_properties(${target} PROPERTIES
+        POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+endfunction()
+
+function(lucerna_shared path)
+    string(REPLACE "/" "_" target "shared_${path}")
+    add_library(${target} STATIC ${path}.cpp)
+    lucerna_compile_as_plugin(${target})
+endfunction()
 
 function(lucerna_plugin path)
     string(REPLACE "/" "_" target "plugin_${path}")
     get_filename_component(folder ${path} DIRECTORY)
     get_filename_component(name ${path} NAME)
-    add_library(${target} MODULE ${path}.cpp $<TARGET_OBJECTS:lucerna_contracts>)
-    target_link_libraries(${target} PRIVATE Lucerna::core ${ARGN})
-    if(TARGET lucerna_warnings)
-        target_link_libraries(${target} PRIVATE lucerna_warnings)
+    if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${path})
+        file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${path}/*.cpp)
     endif()
-    # As the core is compiled: NaN stays NaN, and the processor's mode is left alone.
-    target_compile_options(${target} PRIVATE
-        -fno-math-errno -fno-trapping-math -ffp-contract=off)
+    if(NOT sources)
+        set(sources ${path}.cpp)
+    endif()
+    add_library(${target} MODULE ${sources} $<TARGET_OBJECTS:lucerna_contracts>)
+    lucerna_compile_as_plugin(${target})
+    target_link_libraries(${target} PRIVATE ${ARGN})
     if(NOT LUCERNA_PLUGIN_OUTPUT_DIR)
         set(LUCERNA_PLUGIN_OUTPUT_DIR ${CMAKE_BINARY_DIR}/plugins)
     endif()
     set_target_properties(${target} PROPERTIES
         PREFIX "" OUTPUT_NAME ${name}
-        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
         LIBRARY_OUTPUT_DIRECTORY ${LUCERNA_PLUGIN_OUTPUT_DIR}/${folder}
         INSTALL_RPATH "$ORIGIN/../../..")
     if(TARGET program)

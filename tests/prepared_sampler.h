@@ -2,9 +2,9 @@
 /// A light sampler outside of an integrator, for tests and benchmarks.
 #pragma once
 
+#include "core/description/xml_reader.h"
 #include "core/interfaces/light_sampler.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 
 #include <memory>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/render_scene.h"
 
-#include "core/scene/xml_reader.h"
+#include "core/description/xml_reader.h"
 
 #include <fmt/format.h>
 

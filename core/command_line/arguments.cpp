@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/command_line/arguments.h"
 
+#include "core/base/error.h"
+#include "core/description/values.h"
 #include "core/interfaces/command.h"
-#include "core/plugin/error.h"
-#include "core/scene/values.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

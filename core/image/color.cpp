@@ -11,8 +11,8 @@
 #include <mutex>
 #include <sstream>
 
+#include "core/base/error.h"
 #include "core/image/builtin_ocio.h"
-#include "core/plugin/error.h"
 
 namespace lucerna {
 

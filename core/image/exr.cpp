@@ -24,10 +24,10 @@
 #include <set>
 #include <thread>
 
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 #include "core/image/exr_header.h"
-#include "core/image/file_bytes.h"
-#include "core/plugin/error.h"
 
 namespace lucerna {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/exr_header.h"
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 namespace lucerna {
 

@@ -9,8 +9,8 @@
 #include <new>
 #include <string_view>
 
-#include "core/image/file_bytes.h"
-#include "core/plugin/error.h"
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 
 namespace lucerna {
 

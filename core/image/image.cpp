@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 namespace lucerna {
 

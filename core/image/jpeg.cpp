@@ -7,9 +7,9 @@
 #include <memory>
 #include <new>
 
-#include "core/image/file_bytes.h"
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 #include "core/image/jpeg_notice.h"
-#include "core/plugin/error.h"
 
 namespace lucerna {
 

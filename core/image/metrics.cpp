@@ -9,8 +9,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/error.h"
 #include "core/image/color.h"
-#include "core/plugin/error.h"
 
 namespace lucerna {
 

@@ -8,10 +8,10 @@
 #include <csetjmp>
 #include <cstring>
 
-#include "core/image/atomic_file.h"
-#include "core/image/file_bytes.h"
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 #include "core/image/icc_profile.h"
-#include "core/plugin/error.h"
 
 namespace lucerna {
 

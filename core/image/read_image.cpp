@@ -7,12 +7,12 @@
 #include <span>
 #include <string_view>
 
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 #include "core/image/exr.h"
-#include "core/image/file_bytes.h"
 #include "core/image/hdr.h"
 #include "core/image/jpeg.h"
 #include "core/image/png.h"
-#include "core/plugin/error.h"
 
 namespace lucerna {
 

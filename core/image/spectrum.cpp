@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 #include "core/image/cie_tables.h"
-#include "core/image/file_bytes.h"
-#include "core/plugin/error.h"
 
 namespace lucerna {
 

@@ -14,7 +14,6 @@
 namespace lucerna {
 
 class RenderJob;
-class Scene;
 
 /// One sample of a pixel.
 struct PixelSample {
@@ -58,19 +57,6 @@ public:
     /// Lights are sampled at what the camera sees, itself or in mirrors, and after up to this many
     /// bounces off other surfaces; -1: nowhere. Light samplers prepare for no more.
     virtual int light_bounces() const { return std::numeric_limits<int>::max(); }
-};
-
-/// An integrator that estimates radiance along camera rays.
-class SamplingIntegrator : public Integrator {
-public:
-    ~SamplingIntegrator() override;
-
-    /// Passes over all pixels until the budget is spent.
-    void render(RenderJob& job) const final;
-
-    /// Fills the results of some samples, whole blocks of them. What a sample gets depends on its
-    /// block alone. Called from many threads.
-    virtual void sample(const Scene& scene, std::span<CameraSample> samples) const = 0;
 };
 
 }  // namespace lucerna

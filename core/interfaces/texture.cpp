@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/interfaces/texture.h"
 
+#include "core/description/description.h"
+#include "core/plugin/params.h"
+
+#include <fmt/format.h>
+
 namespace lucerna {
 
 Texture::~Texture() = default;
@@ -10,6 +15,33 @@ Vector2 Texture::gradient(Vector2 uv) const {
     const float along_u = real(uv + Vector2(step, 0)) - real(uv - Vector2(step, 0));
     const float along_v = real(uv + Vector2(0, step)) - real(uv - Vector2(0, step));
     return Vector2(along_u, along_v) / (2 * step);
+}
+
+// Here, because only these parameters know what a texture is.
+
+ColorInput Params::color_input(std::string_view name, Color default_value, Range range,
+                               std::string_view doc) const {
+    const Color c = default_value;
+    const std::string text = c.x == c.y && c.y == c.z
+                                 ? fmt::format("{:g}", c.x)
+                                 : fmt::format("{:g} {:g} {:g}", c.x, c.y, c.z);
+    declare(name, "rgb or texture", text, range, doc);
+    if (const Property* property = find(name)) {
+        return {Color(color(*property, ColorD(default_value), range)), nullptr};
+    }
+    return {default_value, static_cast<const Texture*>(named_child(Texture::kind, name, ""))};
+}
+
+FloatInput Params::float_input(std::string_view name, float default_value, Range range,
+                               std::string_view doc) const {
+    declare(name, "float or texture", fmt::format("{:g}", default_value), range, doc);
+    if (const Property* property = find(name)) {
+        if (std::holds_alternative<Rgb>(property->value)) {
+            return {luminance(Color(color(*property, ColorD(default_value), range))), nullptr};
+        }
+        return {static_cast<float>(number(*property, default_value, range)), nullptr};
+    }
+    return {default_value, static_cast<const Texture*>(named_child(Texture::kind, name, ""))};
 }
 
 }  // namespace lucerna

@@ -2,8 +2,8 @@
 /// What Params needs to know of the scene that is being built.
 #pragma once
 
+#include "core/description/description.h"
 #include "core/math/transform.h"
-#include "core/scene/description.h"
 
 #include <filesystem>
 #include <memory>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/plugin/params.h"
 
-#include "core/interfaces/texture.h"
+#include "core/description/values.h"
 #include "core/plugin/build_context.h"
-#include "core/scene/values.h"
 
 #include <fmt/format.h>
 
@@ -387,27 +386,6 @@ std::size_t Params::choose(std::string_view name, std::size_t default_index,
                             element_.kind, element_.type, *value, did_you_mean(*value, words),
                             join(words)));
     return default_index;
-}
-
-ColorInput Params::color_input(std::string_view name, Color default_value, Range range,
-                               std::string_view doc) const {
-    declare(name, "rgb or texture", color_text(default_value), range, doc);
-    if (const Property* property = find(name)) {
-        return {Color(color(*property, ColorD(default_value), range)), nullptr};
-    }
-    return {default_value, static_cast<const Texture*>(named_child(Texture::kind, name, ""))};
-}
-
-FloatInput Params::float_input(std::string_view name, float default_value, Range range,
-                               std::string_view doc) const {
-    declare(name, "float or texture", fmt::format("{:g}", default_value), range, doc);
-    if (const Property* property = find(name)) {
-        if (std::holds_alternative<Rgb>(property->value)) {
-            return {luminance(Color(color(*property, ColorD(default_value), range))), nullptr};
-        }
-        return {static_cast<float>(number(*property, default_value, range)), nullptr};
-    }
-    return {default_value, static_cast<const Texture*>(named_child(Texture::kind, name, ""))};
 }
 
 const Object* Params::object(const Child& child) const {

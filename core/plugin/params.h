@@ -10,8 +10,8 @@
 /// parameters is found by constructing the plugin with nothing.
 #pragma once
 
+#include "core/base/error.h"
 #include "core/math/transform.h"
-#include "core/plugin/error.h"
 
 #include <cstdint>
 #include <filesystem>

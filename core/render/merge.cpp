@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/merge.h"
 
-#include "core/plugin/error.h"
-#include "core/render/parallel.h"
+#include "core/base/error.h"
+#include "core/base/parallel.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/output.h"
 
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
 #include "core/image/exr.h"
 #include "core/image/png.h"
 #include "core/plugin/registry.h"

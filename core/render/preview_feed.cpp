@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/preview_feed.h"
 
+#include "core/base/error.h"
 #include "core/plugin/build_context.h"
-#include "core/plugin/error.h"
 #include "core/scene/builder.h"
 
 #include <fmt/format.h>

@@ -5,9 +5,9 @@
 /// copying and showing take a hundredth of the processors' time. It never waits for a viewer.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "core/interfaces/preview.h"
 #include "core/plugin/registry.h"
-#include "core/render/parallel.h"
 #include "core/render/render_job.h"
 #include "core/render/statistics.h"
 

@@ -2,7 +2,7 @@
 /// Tells how far a render is: people on stderr, programs on stdout.
 #pragma once
 
-#include "core/command_line/json.h"
+#include "core/base/json.h"
 #include "core/render/render_job.h"
 
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/reconstruction_filter.h"
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 #include <algorithm>
 #include <cmath>

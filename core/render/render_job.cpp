@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/render_job.h"
 
+#include "core/base/error.h"
 #include "core/math/sequences.h"
-#include "core/plugin/error.h"
 #include "core/scene/ray_statistics.h"
 
 #include <algorithm>

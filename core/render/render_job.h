@@ -5,11 +5,11 @@
 /// threads, any split into passes, any interruption and resumption.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "core/interfaces/integrator.h"
 #include "core/interfaces/sensor.h"
 #include "core/render/budget.h"
 #include "core/render/film_state.h"
-#include "core/render/parallel.h"
 #include "core/render/reconstruction_filter.h"
 #include "core/scene/scene.h"
 

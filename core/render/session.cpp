@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/session.h"
 
+#include "core/description/xml_reader.h"
 #include "core/interfaces/light_sampler.h"
 #include "core/render/stored_film.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 
 #include <fmt/format.h>
 

@@ -5,11 +5,11 @@
 ///     RenderResult result = session.render({.budget = {.samples = 64}});
 #pragma once
 
+#include "core/description/description.h"
 #include "core/plugin/registry.h"
 #include "core/render/render_job.h"
 #include "core/render/state_file.h"
 #include "core/render/statistics.h"
-#include "core/scene/description.h"
 #include "core/scene/scene.h"
 
 #include <filesystem>

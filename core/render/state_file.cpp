@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/state_file.h"
 
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
+#include "core/base/parallel.h"
 #include "core/image/exr.h"
 #include "core/math/sequences.h"
 #include "core/plugin/registry.h"
 #include "core/render/packed_sums.h"
-#include "core/render/parallel.h"
 
 #include <fmt/format.h>
 

@@ -8,8 +8,8 @@
 /// hash of each band, and at the very end a trailer. Hashes cover every byte.
 #pragma once
 
-#include "core/image/file_bytes.h"
-#include "core/plugin/error.h"
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 #include "core/render/film_state.h"
 #include "core/render/sample_ranges.h"
 

@@ -2,7 +2,7 @@
 /// The figures of a render: what it took and how good it is.
 #pragma once
 
-#include "core/command_line/json.h"
+#include "core/base/json.h"
 #include "core/render/error_estimate.h"
 #include "core/scene/ray_statistics.h"
 

@@ -3,9 +3,9 @@
 /// without the scene.
 #pragma once
 
+#include "core/description/description.h"
 #include "core/interfaces/film.h"
 #include "core/plugin/registry.h"
-#include "core/scene/description.h"
 
 #include <memory>
 #include <string>

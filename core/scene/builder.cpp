@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/builder.h"
 
-#include "core/image/file_bytes.h"
+#include "core/base/file_bytes.h"
+#include "core/base/find_file.h"
 #include "core/interfaces/film.h"
 #include "core/math/sequences.h"
 #include "core/plugin/build_context.h"
-#include "core/scene/find_file.h"
 #include "core/scene/preparation_error.h"
 
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 /// From a description to a scene: constructs plugins, knows none of them.
 #pragma once
 
+#include "core/description/description.h"
 #include "core/plugin/registry.h"
-#include "core/scene/description.h"
 #include "core/scene/scene.h"
 
 #include <memory>

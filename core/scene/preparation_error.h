@@ -2,7 +2,7 @@
 /// From Scene, which prepares objects, to the builder, which knows where they stand in the file.
 #pragma once
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 #include <cstddef>
 

@@ -2,8 +2,8 @@
 /// Indices of refraction as parameters: a number, or the name of a substance.
 #pragma once
 
-#include "core/image/conductors.h"
 #include "core/plugin/params.h"
+#include "plugins/bsdfs/conductors.h"
 
 namespace lucerna {
 

@@ -2,9 +2,9 @@
 /// What smooth and rough conductors share: index of refraction and colour.
 #pragma once
 
-#include "core/image/conductors.h"
 #include "core/interfaces/texture.h"
 #include "core/math/fresnel.h"
+#include "plugins/bsdfs/conductors.h"
 
 namespace lucerna {
 

@@ -4,7 +4,7 @@
 /// All variants are rendered with one budget and independent seeds, several times and in turn,
 /// against one reference. The figures, their intervals and the test for bias are explained in
 /// docs/comparing.md; their formulas are in comparison/.
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
 #include "core/interfaces/command.h"
 #include "core/math/sequences.h"
 #include "core/render/interrupt.h"

@@ -3,9 +3,9 @@
 ///
 /// The figures and their formulas are those of core/image/metrics.h. Pixels that are not finite are
 /// counted and never skipped silently.
+#include "core/base/atomic_file.h"
+#include "core/base/json.h"
 #include "core/command_line/arguments.h"
-#include "core/command_line/json.h"
-#include "core/image/atomic_file.h"
 #include "core/image/color.h"
 #include "core/image/exr.h"
 #include "core/image/metrics.h"

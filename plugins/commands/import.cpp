@@ -4,10 +4,10 @@
 /// The only part of Lucerna that uses assimp; it is built where assimp is found. The model becomes
 /// an XML file, and a folder beside it with its meshes as PLY files (import/model.h). The scene is
 /// written last: where it is, all is there.
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
 #include "core/command_line/arguments.h"
-#include "core/image/atomic_file.h"
 #include "core/interfaces/command.h"
-#include "core/plugin/error.h"
 #include "core/render/interrupt.h"
 #include "plugins/commands/import/model.h"
 

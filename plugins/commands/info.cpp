@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// info: what a scene holds and loads, or what an image file holds, with its metadata.
+#include "core/base/json.h"
 #include "core/command_line/arguments.h"
-#include "core/command_line/json.h"
 #include "core/image/exr.h"
 #include "core/image/read_image.h"
 #include "core/interfaces/command.h"

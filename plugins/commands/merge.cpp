@@ -2,8 +2,8 @@
 /// merge: the parts of a render, from `lucerna render --part`, become the whole picture, bit for
 /// bit the one that a single machine would have made.
 #include "core/render/merge.h"
+#include "core/base/atomic_file.h"
 #include "core/command_line/arguments.h"
-#include "core/image/atomic_file.h"
 #include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/output.h"

@@ -2,8 +2,8 @@
 /// plugins: lists all plugins, or tells everything about one: `lucerna plugins bsdf/diffuse`.
 ///
 /// The parameters are those that the plugin itself asks for when it is constructed.
+#include "core/base/json.h"
 #include "core/command_line/arguments.h"
-#include "core/command_line/json.h"
 #include "core/interfaces/command.h"
 #include "core/plugin/registry.h"
 #include "core/scene/builder.h"

@@ -4,7 +4,7 @@
 /// Passes over the image until a budget of samples, time or error is spent; then, or after SIGINT
 /// and SIGTERM, an EXR and a PNG are written, each completely or not at all. A checkpoint holds
 /// the exact state: resuming gives the bits of a render that was never interrupted.
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
 #include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/output.h"

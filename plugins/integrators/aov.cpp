@@ -7,6 +7,7 @@
 /// the channels albedo.R, albedo.G, albedo.B, nn.X, …, dist.T. A nested integrator makes the image
 /// itself; without one it shows the first layer.
 #include "core/interfaces/bsdf.h"
+#include "core/render/sampling_integrator.h"
 #include "core/scene/scene.h"
 
 #include <array>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// depth: distance from the lens of the camera to the nearest surface, as grey and as the layer
 /// "depth", which keeps 32 bits; zero where there is none.
+#include "core/render/sampling_integrator.h"
 #include "core/scene/scene.h"
 
 namespace lucerna {

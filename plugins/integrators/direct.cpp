@@ -3,6 +3,7 @@
 /// combined by multiple importance sampling (Veach 1997, 9).
 ///
 /// With `bsdf_samples` = 0 or `emitter_samples` = 0 it shows a single strategy.
+#include "core/render/sampling_integrator.h"
 #include "plugins/integrators/light_sampling.h"
 
 namespace lucerna {

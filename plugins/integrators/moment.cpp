@@ -6,6 +6,7 @@
 /// "a.Y", "a.Z", and after the layers of all integrators the means of their squares, "m2_a.X" and
 /// so on, as in Mitsuba. The picture itself is that of the first. Pixels share no paths, so that
 /// the variance m2 − mean² is that of single paths. All integrators get the same random numbers.
+#include "core/render/sampling_integrator.h"
 #include "core/scene/scene.h"
 
 #include <string_view>

@@ -5,6 +5,7 @@
 /// Neighbouring pixels share their paths behind the second vertex (path_reuse.h). Finds all light
 /// but what reaches the eye only through a specular surface from a delta light, and finds caustics
 /// of small lights slowly: that is what photon mapping is for.
+#include "core/render/sampling_integrator.h"
 #include "plugins/integrators/path_noise.h"
 
 #include <limits>

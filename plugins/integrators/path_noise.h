@@ -13,8 +13,8 @@
 /// counted in rays, so that the choice does not depend on the machine.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "core/math/sequences.h"
-#include "core/render/parallel.h"
 #include "core/scene/ray_statistics.h"
 #include "plugins/integrators/path_reuse.h"
 

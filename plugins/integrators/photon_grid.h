@@ -6,8 +6,8 @@
 /// follow each other in memory.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "core/math/sequences.h"
-#include "core/render/parallel.h"
 #include "plugins/integrators/photon.h"
 
 #include <bit>

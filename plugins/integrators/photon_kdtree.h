@@ -6,8 +6,8 @@
 /// between blocks m − 1 and m is element m of one array: 1 byte for each photon.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "core/math/bounds.h"
-#include "core/render/parallel.h"
 #include "plugins/integrators/photon.h"
 
 #include <vector>

@@ -5,8 +5,8 @@
 /// number of threads, and any part of one again.
 #pragma once
 
+#include "core/base/error.h"
 #include "core/interfaces/bsdf.h"
-#include "core/plugin/error.h"
 #include "core/render/render_job.h"
 #include "core/scene/scene.h"
 #include "plugins/integrators/photon.h"

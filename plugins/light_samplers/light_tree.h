@@ -7,8 +7,8 @@
 /// line have an area.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "core/interfaces/emitter.h"
-#include "core/render/parallel.h"
 
 #include <array>
 #include <bit>

@@ -2,9 +2,9 @@
 /// Where light sampling will take place: points on paths from the camera, traced before rendering.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "core/interfaces/sensor.h"
 #include "core/math/sequences.h"
-#include "core/render/parallel.h"
 #include "core/scene/scatter.h"
 #include "core/scene/scene.h"
 

@@ -2,7 +2,7 @@
 /// How the error of a render has fallen, in a bounded number of points.
 #pragma once
 
-#include "core/command_line/json.h"
+#include "core/base/json.h"
 #include "core/render/render_job.h"
 
 #include <cstddef>

@@ -2,7 +2,7 @@
 /// Where a preview is shown, as the command line says it.
 #pragma once
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 #include <fmt/format.h>
 

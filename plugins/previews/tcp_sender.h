@@ -2,7 +2,7 @@
 /// A TCP connection to a viewer that may be absent, slow, or go away.
 #pragma once
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 #include "plugins/previews/place.h"
 
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 /// random token in its path. No other site can use the page of a browser: requests must name this
 /// server as their host (against DNS rebinding), what stops the render must come from this page
 /// (Origin), and no page may embed this one.
-#include "core/command_line/json.h"
+#include "core/base/json.h"
 #include "core/interfaces/preview.h"
 #include "core/render/progress.h"
 #include "core/render/statistics.h"

@@ -4,8 +4,8 @@
 ///   to_world      transform          any affine transform
 ///   flip_normals  boolean    false   the normals point inside
 ///
-/// (u, v) runs over [0, 1]² on each face, placed as in Mitsuba (core/scene/mesh.h).
-#include "core/scene/mesh.h"
+/// (u, v) runs over [0, 1]² on each face, placed as in Mitsuba (plugins/shapes/mesh.h).
+#include "plugins/shapes/mesh.h"
 
 namespace lucerna {
 namespace {

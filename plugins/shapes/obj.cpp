@@ -13,7 +13,7 @@
 /// warning says so if there are several. `lucerna import` makes a scene with materials of such a
 /// file. Without normals, smooth ones are computed. Lines, points, curved surfaces and vertex
 /// colours are not read, with a warning.
-#include "core/image/file_bytes.h"
+#include "core/base/file_bytes.h"
 #include "plugins/shapes/obj_reader.h"
 
 namespace lucerna {

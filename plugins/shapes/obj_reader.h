@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/math/polygon.h"
-#include "core/scene/mesh.h"
+#include "plugins/shapes/mesh.h"
 #include "plugins/shapes/text_cursor.h"
 #include "plugins/shapes/vertex_join.h"
 

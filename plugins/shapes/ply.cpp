@@ -11,7 +11,7 @@
 /// texcoord of faces; polygons, concave ones too, are cut into triangles. Triangle strips are read,
 /// too. A warning lists what is not read, as vertex colours. Without normals, smooth ones are
 /// computed.
-#include "core/image/file_bytes.h"
+#include "core/base/file_bytes.h"
 #include "plugins/shapes/ply_reader.h"
 
 namespace lucerna {

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "core/math/polygon.h"
-#include "core/scene/mesh.h"
+#include "plugins/shapes/mesh.h"
 #include "plugins/shapes/ply_source.h"
 #include "plugins/shapes/vertex_join.h"
 

@@ -4,7 +4,7 @@
 ///   to_world      transform          any affine transform: it may become a parallelogram
 ///   flip_normals  boolean    false   faces −z
 ///
-/// u runs along x, v against y (core/scene/mesh.h tells why).
+/// u runs along x, v against y (plugins/shapes/mesh.h tells why).
 #include "plugins/shapes/parallelograms.h"
 
 namespace lucerna {

@@ -8,7 +8,7 @@
 ///   flip_normals  boolean    false
 ///
 /// Without normals, smooth ones are computed.
-#include "core/image/file_bytes.h"
+#include "core/base/file_bytes.h"
 #include "plugins/shapes/serialized_reader.h"
 
 namespace lucerna {

@@ -6,7 +6,7 @@
 /// zlib.
 #pragma once
 
-#include "core/scene/mesh.h"
+#include "plugins/shapes/mesh.h"
 
 #include <fmt/format.h>
 #include <zlib.h>

@@ -3,7 +3,7 @@
 /// a line feed, a carriage return, or both.
 #pragma once
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 #include <fmt/format.h>
 

@@ -3,9 +3,9 @@
 /// 100,000 shapes. Processor seconds, and the memory of the process after each.
 ///
 ///     loading_benchmark [folder for the files, by default a temporary one]
+#include "core/description/xml_reader.h"
 #include "core/render/statistics.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 #include "tests/benchmarks/benchmark_scenes.h"
 
 #include <fmt/format.h>

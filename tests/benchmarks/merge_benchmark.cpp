@@ -5,10 +5,10 @@
 ///
 /// Every pixel has 16 samples of random light, spread by a Gaussian filter. The files of 64 parts
 /// take 10 GB in FOLDER; they are removed at the end.
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
+#include "core/base/parallel.h"
 #include "core/math/sequences.h"
 #include "core/render/merge.h"
-#include "core/render/parallel.h"
 #include "core/render/statistics.h"
 
 #include <fmt/format.h>

@@ -3,8 +3,8 @@
 /// dlopen, and with the same sources linked into this program.
 ///
 ///     plugin_boundary_benchmark [rounds]
+#include "core/description/xml_reader.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 #include "tests/benchmarks/benchmark_scenes.h"
 
 #include <cstdio>

@@ -8,9 +8,9 @@
 ///
 /// The program defines rtcIntersect1 and rtcOccluded1 itself, so that the calls of the core
 /// library pass through it: nothing in the renderer knows of the recording.
+#include "core/description/xml_reader.h"
 #include "core/scene/builder.h"
 #include "core/scene/embree.h"
-#include "core/scene/xml_reader.h"
 #include "tests/benchmarks/benchmark_scenes.h"
 
 #include <dlfcn.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `lucerna render` as users run it: files, exit codes, signals, full disks.
 #include "tests/commands/render_command.h"
+#include "core/base/error.h"
 #include "core/image/png.h"
 #include "core/interfaces/command.h"
-#include "core/plugin/error.h"
 
 #include <chrono>
 #include <thread>

@@ -5,9 +5,9 @@
 ///
 /// After a message was changed on purpose, LUCERNA_UPDATE=1 writes the files anew; the difference
 /// is then for the author to read. A scene that turns out to be right is a failure either way.
+#include "core/description/xml_reader.h"
 #include "core/plugin/registry.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 #include "tests/paths.h"
 
 #include <gtest/gtest.h>

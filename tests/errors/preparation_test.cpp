@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What is wrong with an object only in its scene is told at its place, as all else.
+#include "core/description/xml_reader.h"
 #include "core/interfaces/light_sampler.h"
 #include "core/plugin/registry.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Any bytes, read as each kind of picture, end in an error message or in a picture.
+#include "core/base/error.h"
 #include "core/image/exr.h"
 #include "core/image/hdr.h"
 #include "core/image/jpeg.h"
 #include "core/image/png.h"
-#include "core/plugin/error.h"
 
 #include <cstdint>
 #include <span>

@@ -2,8 +2,8 @@
 /// What the fuzz targets of mesh files share: any bytes are either a mesh or end in an error.
 #pragma once
 
-#include "core/plugin/error.h"
-#include "core/scene/mesh.h"
+#include "core/base/error.h"
+#include "plugins/shapes/mesh.h"
 
 #include <cstdlib>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Any bytes are either a scene or end in error messages. Lines at the end that begin with "-D " or
 /// "--set " are options.
-#include "core/scene/xml_reader.h"
+#include "core/description/xml_reader.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Photon mapping where there is little to see, nothing to hit, or much in one place.
+#include "core/base/error.h"
 #include "core/interfaces/texture.h"
-#include "core/plugin/error.h"
 #include "tests/render_scene.h"
 
 #include <fmt/format.h>

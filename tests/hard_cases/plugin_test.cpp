@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Libraries that cannot be trusted are refused in words, and only those that a scene names are
 /// opened. The bad ones are in the folder `plugins` beside this file.
+#include "core/base/error.h"
+#include "core/description/xml_reader.h"
 #include "core/interfaces/bsdf.h"
-#include "core/plugin/error.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 #include "tests/paths.h"
 #include "tests/render_scene.h"
 

@@ -3,11 +3,11 @@
 /// and with parameters that are hard. A new plugin is tested unasked; only if it cannot be made
 /// without a body does it need a line in `bodies`. D1, D3, … are cases of tests/cases.txt.
 #include "core/interfaces/bsdf.h"
+#include "core/description/xml_reader.h"
 #include "core/image/png.h"
 #include "core/math/fresnel.h"
 #include "core/math/warp.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 #include "tests/paths.h"
 #include "tests/statistics.h"
 

@@ -5,7 +5,7 @@
 #include "core/math/rounding.h"
 #include "core/math/solid_angle.h"
 #include "core/math/warp.h"
-#include "core/scene/mesh.h"
+#include "plugins/shapes/mesh.h"
 #include "tests/paths.h"
 #include "tests/plugins/world.h"
 #include "tests/statistics.h"

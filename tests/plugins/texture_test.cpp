@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What every texture must satisfy, tried on all that the registry finds, and what pictures show.
 #include "core/interfaces/texture.h"
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
 #include "core/image/color.h"
 #include "core/image/exr.h"
 #include "core/image/png.h"

@@ -2,8 +2,8 @@
 /// Makes objects and scenes from fragments of XML.
 #pragma once
 
+#include "core/description/xml_reader.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 #include "tests/paths.h"
 
 #include <fmt/format.h>

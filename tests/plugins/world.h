@@ -2,8 +2,8 @@
 /// Shapes from text, in a scene that rays can be shot into.
 #pragma once
 
+#include "core/description/xml_reader.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 
 #include <memory>
 #include <string>

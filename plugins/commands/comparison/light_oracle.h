@@ -19,10 +19,10 @@
 /// Thompson 1952); where a sum is squared, what that adds, Σ (1 / q − 1) x² / q, is taken away.
 #pragma once
 
+#include "core/base/parallel.h"
 #include "core/interfaces/light_sampler.h"
 #include "core/interfaces/sensor.h"
 #include "core/math/sequences.h"
-#include "core/render/parallel.h"
 #include "core/scene/scatter.h"
 #include "core/scene/scene.h"
 

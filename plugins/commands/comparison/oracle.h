@@ -2,7 +2,7 @@
 /// `--oracle`: the light samplers of all variants, judged at the same points (light_oracle.h).
 #pragma once
 
-#include "core/command_line/json.h"
+#include "core/base/json.h"
 #include "core/render/session.h"
 #include "plugins/commands/comparison/comparison.h"
 #include "plugins/commands/comparison/light_oracle.h"

@@ -3,7 +3,7 @@
 /// plugins/commands/report, put together when Lucerna is built; here its data are added.
 #pragma once
 
-#include "core/command_line/json.h"
+#include "core/base/json.h"
 #include "plugins/commands/comparison/comparison.h"
 
 #include <bit>

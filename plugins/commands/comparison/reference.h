@@ -2,10 +2,10 @@
 /// The picture that all others are measured against: read from a file, or rendered once and kept.
 #pragma once
 
+#include "core/base/error.h"
 #include "core/image/color.h"
 #include "core/image/exr.h"
 #include "core/image/read_image.h"
-#include "core/plugin/error.h"
 #include "core/render/film_state.h"
 #include "core/render/progress.h"
 #include "core/render/session.h"

@@ -2,7 +2,7 @@
 /// A comparison as JSON (complete), as CSV (a line for each run), and as a table for people.
 #pragma once
 
-#include "core/command_line/json.h"
+#include "core/base/json.h"
 #include "core/plugin/registry.h"
 #include "plugins/commands/comparison/comparison.h"
 

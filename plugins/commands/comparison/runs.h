@@ -7,9 +7,9 @@
 /// warms caches, and shows at once whether all of them can be rendered.
 #pragma once
 
+#include "core/base/error.h"
 #include "core/image/flip.h"
 #include "core/math/sequences.h"
-#include "core/plugin/error.h"
 #include "core/render/interrupt.h"
 #include "core/render/session.h"
 #include "plugins/commands/comparison/comparison.h"

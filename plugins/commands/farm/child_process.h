@@ -2,7 +2,7 @@
 /// Programs that are run by this one, without a shell.
 #pragma once
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 #include <fmt/format.h>
 

@@ -2,9 +2,9 @@
 /// Copies of files in one folder, each content once.
 #pragma once
 
-#include "core/image/atomic_file.h"
-#include "core/image/file_bytes.h"
-#include "core/plugin/error.h"
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 
 #include <fmt/format.h>
 

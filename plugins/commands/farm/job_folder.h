@@ -10,8 +10,8 @@
 ///     slurm_jobs.txt         Slurm's numbers of the jobs that were submitted, the last one last
 #pragma once
 
-#include "core/image/atomic_file.h"
-#include "core/plugin/error.h"
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
 #include "plugins/commands/farm/file_store.h"
 
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 /// The two scripts of a job: one that Slurm runs once for each part, and one for the end.
 #pragma once
 
-#include "core/image/atomic_file.h"
-#include "core/plugin/error.h"
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
 #include "plugins/commands/farm/job_folder.h"
 
 #include <filesystem>

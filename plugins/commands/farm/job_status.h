@@ -2,7 +2,7 @@
 /// How far a job is: from the files that its parts write, and from Slurm's queue if it knows more.
 #pragma once
 
-#include "core/command_line/json.h"
+#include "core/base/json.h"
 #include "core/interfaces/command.h"
 #include "plugins/commands/farm/job_folder.h"
 

@@ -4,10 +4,10 @@
 /// names in the folder, whatever paths, search paths and parameters the scene used.
 #pragma once
 
+#include "core/base/find_file.h"
+#include "core/description/xml_text.h"
 #include "core/render/session.h"
 #include "core/scene/builder.h"
-#include "core/scene/find_file.h"
-#include "core/scene/xml_text.h"
 #include "plugins/commands/farm/file_store.h"
 
 #include <map>

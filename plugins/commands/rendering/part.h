@@ -6,7 +6,7 @@
 /// replace each other's files by equal ones.
 #pragma once
 
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
 #include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/progress.h"

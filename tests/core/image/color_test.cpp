@@ -8,8 +8,8 @@
 #include <fstream>
 #include <limits>
 
+#include "core/base/error.h"
 #include "core/image/builtin_ocio.h"
-#include "core/plugin/error.h"
 #include "tests/paths.h"
 
 namespace lucerna {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 namespace lucerna {
 namespace {

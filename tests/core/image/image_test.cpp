@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 
 namespace lucerna {
 namespace {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <random>
 
+#include "core/base/error.h"
 #include "core/image/color.h"
-#include "core/plugin/error.h"
 
 namespace lucerna {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
 #include "core/image/exr.h"
 #include "core/image/png.h"
 #include "tests/core/image/damage.h"

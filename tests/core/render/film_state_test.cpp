@@ -2,8 +2,8 @@
 /// What films promise: exact sums, constants that stay constant, nothing hidden, nothing twice.
 #include "core/render/film_state.h"
 
+#include "core/base/error.h"
 #include "core/math/sequences.h"
-#include "core/plugin/error.h"
 #include "tests/core/render/films.h"
 
 #include <gtest/gtest.h>

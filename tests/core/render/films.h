@@ -2,9 +2,9 @@
 /// Films and scenes for tests of the render engine.
 #pragma once
 
+#include "core/description/xml_reader.h"
 #include "core/render/render_job.h"
 #include "core/scene/builder.h"
-#include "core/scene/xml_reader.h"
 
 #include <memory>
 #include <stdexcept>

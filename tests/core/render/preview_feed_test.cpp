@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What a preview is fed with, and that the render waits for none.
 #include "core/render/preview_feed.h"
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 #include "tests/core/render/films.h"
 
 #include <gtest/gtest.h>

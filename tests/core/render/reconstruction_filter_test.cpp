@@ -2,7 +2,7 @@
 /// Samples are shared as the filter says.
 #include "core/render/reconstruction_filter.h"
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 #include "tests/core/render/films.h"
 
 #include <gtest/gtest.h>

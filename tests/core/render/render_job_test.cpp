@@ -2,7 +2,7 @@
 /// The image is a function of scene, seed and samples: not of threads, passes or interruptions.
 #include "core/render/render_job.h"
 
-#include "core/plugin/error.h"
+#include "core/base/error.h"
 #include "tests/core/render/films.h"
 
 #include <gtest/gtest.h>

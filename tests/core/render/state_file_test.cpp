@@ -2,11 +2,11 @@
 /// Checkpoints: exact, viewable, and refused if damaged or foreign.
 #include "core/render/state_file.h"
 
-#include "core/image/atomic_file.h"
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/base/file_bytes.h"
 #include "core/image/exr.h"
-#include "core/image/file_bytes.h"
 #include "core/math/sequences.h"
-#include "core/plugin/error.h"
 #include "tests/core/render/films.h"
 #include "tests/paths.h"
 
