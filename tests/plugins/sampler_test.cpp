@@ -391,7 +391,7 @@ TEST_F(Samplers, J6_MeansAreUnbiasedForAnySampleCount) {
                 }
                 means.add(sum / samples);
             }
-            EXPECT_TRUE(mean_is(means, exact, sidak(1e-2, 24)));
+            EXPECT_TRUE(mean_matches(means, exact, sidak(1e-2, 24)));
         }
     }
 }

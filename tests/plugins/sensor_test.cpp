@@ -229,7 +229,7 @@ TEST_F(Sensors, O15_I8_BlurOfAThinLens) {
         inside.add(off < 0.05f / std::numbers::sqrt2_v<float> ? 1 : 0);
     }
     EXPECT_NEAR(2 * widest, 0.1f, 1e-3f);
-    EXPECT_TRUE(mean_is(inside, 0.5));  // energy is even over the disk
+    EXPECT_TRUE(mean_matches(inside, 0.5));  // energy is even over the disk
 }
 
 TEST_F(Sensors, OrthographicFilmIsTwoWide) {
