@@ -36,6 +36,13 @@ testing::AssertionResult counts_match(std::span<const double> observed,
     return verdict(chi_square(observed, expected, constraints), significance);
 }
 
+testing::AssertionResult holds(const Evidence& evidence, double significance) {
+    const Finding finding = evidence.finding(significance);
+    return verdict(
+        finding.keeping != Keeping::broken,
+        fmt::format("{}: {}, p = {}", finding.contract, finding.figures, finding.p.value_or(1)));
+}
+
 testing::AssertionResult sampling_matches_pdf(
     const std::function<std::optional<Vector3>(Vector2)>& sample,
     const std::function<double(Vector3)>& pdf, const SphereTest& test) {

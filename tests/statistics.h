@@ -5,7 +5,7 @@
 /// its error level by Šidák's correction.
 #pragma once
 
-#include "plugins/commands/contracts/statistics.h"
+#include "plugins/commands/contracts/finding.h"
 
 #include <gtest/gtest.h>
 
@@ -24,6 +24,9 @@ testing::AssertionResult mean_matches(const RunningStatistics& x, double referen
 testing::AssertionResult counts_match(std::span<const double> observed,
                                       std::span<const double> expected, double significance = 1e-3,
                                       double constraints = 1);
+
+/// A contract is kept; its statistical tests share `significance`.
+testing::AssertionResult holds(const Evidence& evidence, double significance = 1e-3);
 
 /// What a χ² test over the sphere needs to know.
 struct SphereTest {

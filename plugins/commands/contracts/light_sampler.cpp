@@ -31,14 +31,14 @@ double contribution(const LightSamplerTrial& trial, const Light& light, const Re
 
 }  // namespace
 
-bool contributes(const LightSamplerTrial& trial, const Light& light, const Receiver& at) {
+bool contributes(const Scene& scene, const Light& light, const Receiver& at, bool blocked) {
     for (int i = 0; i < 16; ++i) {
         const Vector2 u(static_cast<float>(i % 4) / 4 + 0.1f, static_cast<float>(i / 4) / 4 + 0.1f);
         const auto sample = light.emitter->sample_li(light, at, u);
         if (!sample || is_black(sample->radiance) || !(sample->pdf > 0)) continue;
         const float least = at.sides == Sides::both ? 0.0f : 1e-5f;
         if (!(received(at, sample->wi) > least)) continue;
-        if (!trial.blocked || !trial.scene.occluded(at, *sample)) return true;
+        if (!blocked || !scene.occluded(at, *sample)) return true;
     }
     return false;
 }
@@ -105,7 +105,7 @@ Evidence draw_frequencies(const LightSamplerTrial& trial, const Effort& effort) 
     const std::size_t lights = trial.scene.lights().size();
     const std::uint32_t draws = trial.sampler.draws();
     Rng rng(hash64({effort.seed, 2}));
-    const int trials = effort.part(3, 5000);
+    const int trials = effort.part(3 * static_cast<int>(draws), 5000);
     for (const Receiver& at : trial.points) {
         std::vector<double> observed(lights + 1), expected(lights + 1);
         for (int i = 0; i < trials; ++i) {
@@ -133,7 +133,8 @@ Evidence pmf_support(const LightSamplerTrial& trial) {
     for (const Receiver& at : trial.points) {
         for (std::uint32_t i = 0; i < trial.scene.lights().size(); ++i) {
             const bool drawn = trial.sampler.pmf(at, i) > 0;
-            if (!contributes(trial, trial.scene.lights()[i], at)) continue;
+            const Light& light = trial.scene.lights()[i];
+            if (!contributes(trial.scene, light, at, trial.blocked)) continue;
             evidence.require(drawn, [&] {
                 return fmt::format("light {} reaches {}, and is never drawn there", i, text(at));
             });
@@ -163,7 +164,8 @@ Evidence light_is_unbiased(const LightSamplerTrial& trial, const Effort& effort)
     Evidence evidence("arriving light is that of all lights");
     const auto lights = static_cast<std::uint32_t>(trial.scene.lights().size());
     Rng rng(hash64({effort.seed, 6}));
-    const int repeats = effort.part(static_cast<int>(trial.points.size()), 1000);
+    const int repeats =
+        effort.part(static_cast<int>(trial.points.size() * trial.sampler.draws()), 1000);
     for (const Receiver& at : trial.points) {
         // Lights that are drawn a few times only are left to χ²: their sums are far from normal.
         std::vector<bool> frequent(lights);

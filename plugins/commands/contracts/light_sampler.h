@@ -18,8 +18,9 @@ struct LightSamplerTrial {
     bool blocked = false;  ///< what hides lights counts
 };
 
-/// True if some of 16 samples of the light reach the point on a side that receives.
-bool contributes(const LightSamplerTrial& trial, const Light& light, const Receiver& at);
+/// True if some of 16 samples of the light reach the point on a side that receives; if `blocked`,
+/// what hides lights counts.
+bool contributes(const Scene& scene, const Light& light, const Receiver& at, bool blocked);
 
 /// Probabilities are finite, add up to the draws that choose a light, and to no more.
 Evidence pmf_sums(const LightSamplerTrial& trial);
