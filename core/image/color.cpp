@@ -378,7 +378,7 @@ Color ColorConfig::to_rendering(Color color, std::string_view space) const {
 Image8 ColorConfig::display(const Image& image, std::string_view view, double exposure) const {
     const std::string name = state_->resolve_view(view);
     Image shown = image;
-    std::size_t non_finite = expose_and_sanitise(shown, exposure);
+    const std::size_t non_finite = expose_and_sanitise(shown, exposure);
     const bool user = state_->kind == State::Kind::file;
     if (!user && name == srgb_view) {
         transform_colors(shown, [](float v) { return linear_to_srgb(v); });
@@ -395,8 +395,6 @@ Image8 ColorConfig::display(const Image& image, std::string_view view, double ex
             return config.getProcessor(transform);
         };
         state_->apply(state_->processor("to the view " + name, make), shown);
-        // Tables of a configuration may hold NaN, which is counted, too.
-        non_finite += expose_and_sanitise(shown, 0);
     }
     Image8 result = quantise(shown);
     result.non_finite = non_finite;

@@ -60,10 +60,7 @@ const std::map<std::string, std::vector<std::string>> needs = {
     {"sensor/thinlens", {"aperture_radius=0.1", "focus_distance=3"}},
     {"shape/city", {"part=walls", "size=1"}},
     {"shape/instance", {}},
-    {"shape/merge",
-     {"--inside",
-      "<shape type='obj'><string name='filename' value='roof.obj'/>"
-      "</shape>"}},
+    {"shape/merge", {}},
     {"shape/obj", {"filename=roof.obj"}},
     {"shape/ply", {}},  // as the next one: a reader of files of another format for the same meshes
     {"shape/serialized", {}},
@@ -134,18 +131,20 @@ TEST_F(CheckCommandTest, element_of_a_scene_is_checked) {
 }
 
 TEST_F(CheckCommandTest, picture_shows_what_is_sampled) {
-    for (const auto& [plugin, width] : {std::pair{"bsdf/roughconductor", 512},
+    for (const auto& [plugin, width] : {std::pair{"bsdf/roughconductor", 1472},
                                         {"light_sampler/power", 0},
-                                        {"shape/sphere", 504},
+                                        {"shape/sphere", 984},
                                         {"emitter/spot", 0},
-                                        {"texture/checkerboard", 256},
-                                        {"sensor/perspective", 504},
-                                        {"sampler/sobol", 752},
-                                        {"rfilter/mitchell", 256}}) {
+                                        {"texture/checkerboard", 496},
+                                        {"sensor/perspective", 984},
+                                        {"sampler/sobol", 1472},
+                                        {"rfilter/mitchell", 496}}) {
         ASSERT_EQ(check({plugin, "--samples", "20000", "--picture", "out.png"}).code, 0) << plugin;
         const Image picture = read_png(*folder / "out.png");
-        if (width > 0) EXPECT_EQ(picture.width, width) << plugin;
-        EXPECT_GT(*std::max_element(picture.pixels.begin(), picture.pixels.end()), 0.9f) << plugin;
+        if (width > 0) {
+            EXPECT_EQ(picture.width, width) << plugin;
+        }
+        EXPECT_GT(*std::max_element(picture.pixels.begin(), picture.pixels.end()), 0.5f) << plugin;
         std::filesystem::remove(*folder / "out.png");
     }
 }
@@ -173,7 +172,8 @@ TEST_F(CheckCommandTest, wrong_arguments_are_told) {
                 HasSubstr("argument:1:1: error: expected name=value, like radius=2"));
     EXPECT_THAT(errors(3, {"bsdf/mask", "--inside", "<bsdf type='difuse'/>"}),
                 HasSubstr("--inside:2:1: error: "));
-    EXPECT_THAT(errors(2, {"shape/shapegroup"}), HasSubstr("has no surface of its own"));
+    EXPECT_THAT(errors(2, {"shape/shapegroup", "--inside", "<shape type='sphere'/>"}),
+                HasSubstr("has no surface of its own"));
     EXPECT_THAT(errors(2, {"bsdf/diffuse", "--samples", "10"}), HasSubstr("--samples"));
 }
 

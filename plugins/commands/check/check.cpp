@@ -70,9 +70,8 @@ public:
         if (const std::optional<int> code = parse(words, options)) return *code;
         ignore_write_signals();
         Registry registry({options.folders.begin(), options.folders.end()});
-        std::optional<Subject> subject;
         try {
-            subject.emplace(options.subject, registry);
+            return check(options, registry);
         } catch (const SceneError&) {
             throw;
         } catch (const PluginError&) {
@@ -83,20 +82,24 @@ public:
             fmt::print(stderr, "lucerna check: {}\n", e.what());
             return exit_code::usage;
         }
+    }
+
+private:
+    static int check(const CheckOptions& options, Registry& registry) {
+        Subject subject(options.subject, registry);
         const std::vector<Finding> findings =
-            judge(contracts_of(*subject, options.effort), options.level);
-        for (const Diagnostic& warning : subject->warnings()) {
+            judge(contracts_of(subject, options.effort), options.level);
+        for (const Diagnostic& warning : subject.warnings()) {
             fmt::print(stderr, "{}\n", warning.text());
         }
-        const int broken = print(*subject, options, findings);
+        const int broken = print(subject, options, findings);
         if (!options.picture.empty()) {
-            draw_picture(*subject, options.effort, options.picture);
+            draw_picture(subject, options.effort, options.picture);
             fmt::print("{}\n", options.picture);
         }
         return broken == 0 ? exit_code::success : exit_code::failure;
     }
 
-private:
     static std::optional<int> parse(const std::vector<std::string>& words, CheckOptions& options) {
         Arguments arguments("check", "Tries the contracts of its kind on a plugin.");
         arguments.positional("PLUGIN", options.subject.plugin,

@@ -32,7 +32,7 @@ Panel Field::show(double white) const {
 }
 
 void write_sheet(const std::vector<std::vector<Panel>>& rows, const std::filesystem::path& path) {
-    constexpr int gap = 8, shown = 240;  // pixels: between panels, width of one at least
+    constexpr int gap = 8, shown = 480;  // pixels: between panels, width of one
     const auto factor = [](const Panel& p) { return std::max(1, shown / std::max(p.width, 1)); };
     Image8 sheet{.width = gap, .height = gap};
     for (const auto& row : rows) {

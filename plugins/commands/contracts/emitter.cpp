@@ -186,14 +186,17 @@ Evidence emitter_coverage(const EmitterTrial& trial, const Effort& effort) {
                 s ? lights * static_cast<double>(luminance(s->radiance) / s->pdf) : 0;
             for (std::size_t k = 0; k < moment_count; ++k) sampled[k].add(weight * g[k]);
         }
-        for (int i = 0; i < effort.part(1, 1000); ++i) {
+        int met = 0;
+        for (int i = 0; i < effort.samples; ++i) {
             const Vector3 w = square_to_uniform_sphere(rng.next_float2());
             const auto radiance = static_cast<double>(luminance(seen_radiance(trial, at.p, w)));
             const auto g = moments(w);
+            met += radiance > 0;
             for (std::size_t k = 0; k < moment_count; ++k) {
                 seen[k].add(4 * std::numbers::pi * radiance * g[k]);
             }
         }
+        if (met < 50) continue;  // too few to judge by
         for (std::size_t k = 0; k < moment_count; ++k) {
             evidence.test(means_agree(sampled[k], seen[k], 1e-4 * std::abs(seen[k].mean())),
                           fmt::format("sampled and met, moment {} from {}", k, text(at.p)));
