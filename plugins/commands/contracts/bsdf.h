@@ -24,8 +24,8 @@ std::optional<BSDFSample> draw(const BSDF& bsdf, const Interaction& at, Vector3 
 /// Of the power that is scattered, a channel, per sample: radiance is denser in denser media.
 RunningStatistics scattered_power(const BSDF& bsdf, Vector3 wo, TransportMode mode, int samples,
                                   int channel = 1, std::uint64_t seed = 7);
-/// Whether reflection at `bsdf_surface` is the same in both directions; not so where normals are
-/// perturbed.
+/// Whether reflection at `bsdf_surface` is known to be the same in both directions; not so where
+/// normals are perturbed, nor if all lobes are deltas.
 bool is_reciprocal(const BSDF& bsdf, const Effort& effort);
 
 /// χ² of sampled directions, and what the density integrates to: two contracts.
