@@ -4,8 +4,8 @@
 # given. The same function builds plugins outside of Lucerna's tree; there the result lies in
 # <build>/plugins/bsdfs/mirror.so, ready for `lucerna --plugins <build>/plugins`.
 #
-# lucerna_shared(bsdfs/conductors): bsdfs/conductors.cpp, or all .cpp files of a folder of that name,
-# is no plugin, but a part of several: they link `shared_bsdfs_conductors`.
+# lucerna_shared(bsdfs/conductors): bsdfs/conductors.cpp, or all .cpp files of a folder of that
+# name, is no plugin, but a part of several: they link `shared_bsdfs_conductors`.
 include(GNUInstallDirs)
 
 # As the core is compiled: NaN stays NaN, and the processor's mode is left alone.

@@ -112,8 +112,9 @@ def page(found):
     cases = [case for _, listed in sections for case in listed]
     absent = sum(1 for _, _, why in cases if why)
     tested = sum(1 for case, _, why in cases if found[case] and not why)
-    text = HEAD + (f"\nOf {len(cases)} cases {tested} have a test, {absent} cannot occur here"
-                   f"{'' if tested + absent == len(cases) else ', and the others have none yet'}.\n")
+    rest = "" if tested + absent == len(cases) else ", and the others have none yet"
+    text = HEAD + (f"\nOf {len(cases)} cases {tested} have a test, "
+                   f"{absent} cannot occur here{rest}.\n")
     for title, listed in sections:
         text += f"\n## {title}\n\n| case | what is checked | s |\n| --- | --- | --- |\n"
         for case, name, why in listed:

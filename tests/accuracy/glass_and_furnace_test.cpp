@@ -57,8 +57,8 @@ double mean_slab_transmittance() {
     return sum;
 }
 
-/// Sky, glass, floor, glass, camera: with T and R = 1 − T of the slab for diffuse light, the floor of
-/// reflectance ρ has the radiance ρ T / (1 − ρ R).
+/// Sky, glass, floor, glass, camera: with T and R = 1 − T of the slab for diffuse light, the floor
+/// of reflectance ρ has the radiance ρ T / (1 − ρ R).
 TEST(GlassSlab, F19_FloorSeenThroughTheGlassThatLightsIt) {
     const double t = mean_slab_transmittance(), floor = 0.5 * t / (1 - 0.5 * (1 - t));
     const double expected = 0.923077 * floor + (1 - 0.923077);
