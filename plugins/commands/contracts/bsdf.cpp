@@ -319,7 +319,7 @@ Evidence bsdf_transmittance(const BSDF& bsdf) {
 }
 
 Evidence bsdf_lanes(const BSDF& bsdf, const Effort& effort) {
-    Evidence evidence("sample_lanes is sample for each");
+    Evidence evidence("many points at once are each by itself");
     const std::vector<Vector3> wos = viewers();
     std::array<Interaction, lane_count> places;
     std::array<const Interaction*, lane_count> at;
@@ -331,22 +331,30 @@ Evidence bsdf_lanes(const BSDF& bsdf, const Effort& effort) {
     }
     for (std::size_t count = 1; count <= lane_count; ++count) {
         const TransportMode mode = transport_modes[count % 2];
-        Vector3Lanes wo{};
+        Vector3Lanes wo{}, wi{};
         FloatLanes u_lobe{};
         Vector2Lanes u{};
         for (std::size_t i = 0; i < lane_count; ++i) {
             wo.set(i, wos[(i + count) % wos.size()]);
             u_lobe[i] = rng.next_float();
             u.set(i, rng.next_float2());
+            wi.set(i, square_to_uniform_sphere(rng.next_float2()));
         }
         BSDFSampleLanes lanes;
-        bsdf.sample_lanes({at.data(), count}, wo, u_lobe, u, mode, lanes);
+        bsdf.batch().sample(bsdf, {at.data(), count}, wo, u_lobe, u, mode, lanes);
+        BSDFValueLanes values;
+        LaneMask wanted;
+        for (std::size_t i = 0; i < lane_count; ++i) wanted[i] = (i + count) % 3 != 0;
+        bsdf.batch().evaluate(bsdf, {at.data(), count}, wanted, wo, wi, mode, values);
         for (std::size_t i = 0; i < count; ++i) {
             const auto one = bsdf.sample(*at[i], wo[i], u_lobe[i], u[i], mode);
             const bool same_lobe = lanes.lobe[i] == (one ? one->lobe : Lobe::none);
             const bool same =
                 same_lobe && (!one || (lanes.wi[i] == one->wi && lanes.weight[i] == one->weight));
-            evidence.require(same, [&] {
+            const BSDFValue value = bsdf.evaluate(*at[i], wo[i], wi[i], mode);
+            const bool same_value =
+                !wanted[i] || (values.f[i] == value.f && values.pdf[i] == value.pdf);
+            evidence.require(same && same_value, [&] {
                 return fmt::format("lane {} of {} differs for wo = {}", i, count, text(wo[i]));
             });
         }

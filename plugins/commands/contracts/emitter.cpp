@@ -298,7 +298,7 @@ Evidence emitter_bounds(const EmitterTrial& trial, const Effort& effort) {
 }
 
 Evidence emitter_lanes(const EmitterTrial& trial, const Effort& effort) {
-    Evidence evidence("sample_emission_lanes is sample_emission for each");
+    Evidence evidence("many particles at once are each by itself");
     const Emitter& e = trial.emitter();
     Rng rng(hash64({effort.seed, 8}));
     for (std::size_t count = 1; count <= lane_count; ++count) {
@@ -309,7 +309,7 @@ Evidence emitter_lanes(const EmitterTrial& trial, const Effort& effort) {
             v.set(i, rng.next_float2());
         }
         EmissionLanes lanes;
-        e.sample_emission_lanes(light, u, v, count, lanes);
+        e.batch().sample_emission(e, light, u, v, count, lanes);
         for (std::size_t i = 0; i < count; ++i) {
             const auto one = e.sample_emission(light, u[i], v[i]);
             const bool same = one ? lanes.power[i] == one->power && lanes.o[i] == one->ray.o &&

@@ -144,12 +144,12 @@ Evidence pmf_support(const LightSamplerTrial& trial) {
 }
 
 Evidence draws_in_batches(const LightSamplerTrial& trial, const Effort& effort) {
-    Evidence evidence("sample_batch is sample for each");
+    Evidence evidence("draws at many points are each by itself");
     Rng rng(hash64({effort.seed, 5}));
     std::vector<LightQuery> queries;
     for (const Receiver& at : trial.points) queries.push_back({.at = &at, .u = rng.next_float()});
     const std::uint32_t last = trial.sampler.draws() - 1;
-    trial.sampler.sample_batch(last, queries);
+    trial.sampler.batch().sample(trial.sampler, last, queries);
     for (const LightQuery& query : queries) {
         const auto one = trial.sampler.sample(*query.at, last, query.u);
         const bool same =

@@ -102,15 +102,16 @@ Evidence sampler_blocks(const Sampler& sampler) {
     };
     for (const std::uint64_t index : {std::uint64_t{0}, std::uint64_t{37}, last}) {
         for (const std::uint32_t dimension : {0u, 3u, 1022u}) {
-            Vector2 pairs[Sampler::block_pairs];
-            const std::uint32_t count = sampler.sample_block(sequence, index, dimension, pairs);
-            must(count >= 1 && count <= Sampler::block_pairs, "wrong length of a block", index,
+            SamplerBatch::Pairs pairs;
+            const std::uint32_t count =
+                sampler.batch().sample_pairs(sampler, sequence, index, dimension, pairs);
+            must(count >= 1 && count <= SamplerBatch::most_pairs, "wrong length of a block", index,
                  dimension);
             SampleStream stream(sampler, sequence, index);
             stream.jump_to(dimension);
-            for (std::uint32_t i = 0; i < 2 * Sampler::block_pairs; ++i) {
+            for (std::uint32_t i = 0; i < 2 * SamplerBatch::most_pairs; ++i) {
                 const Vector2 expected = sampler.sample_2d(sequence, index, dimension + 2 * i);
-                if (i < count && i < Sampler::block_pairs) {
+                if (i < count && i < SamplerBatch::most_pairs) {
                     must(pairs[i] == expected, "another pair in a block", index, dimension + 2 * i);
                 }
                 must(stream.next_2d() == expected, "another pair in a stream", index,

@@ -319,14 +319,14 @@ Evidence shape_derivatives(const ShapeTrial& brushed, const Effort& effort) {
 }
 
 Evidence shape_lanes(const ShapeTrial& trial, const Effort& effort) {
-    Evidence evidence("sample_area_lanes is sample_area for each");
+    Evidence evidence("many points at once are each by itself");
     Rng rng(hash64({effort.seed, 4}));
     for (std::size_t count = 1; count <= lane_count; ++count) {
         const auto primitive = rng.next_uint() % trial.shape.primitive_count();
         Vector2Lanes u{};
         for (std::size_t i = 0; i < count; ++i) u.set(i, rng.next_float2());
         SurfaceSampleLanes lanes;
-        trial.shape.sample_area_lanes(primitive, u, count, lanes);
+        trial.shape.batch().sample_area(trial.shape, primitive, u, count, lanes);
         for (std::size_t i = 0; i < count; ++i) {
             const SurfaceSample one = trial.shape.sample_area(primitive, u[i]);
             const bool same = lanes.p[i] == one.p && lanes.n[i] == one.n && lanes.uv[i] == one.uv &&
