@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What every emitter must satisfy, tried on all that the registry finds, and closed forms of the
 /// light that each casts.
+#include "plugins/commands/contracts/emitter.h"
 #include "core/image/exr.h"
 #include "core/image/png.h"
 #include "core/math/distribution.h"
@@ -137,52 +138,15 @@ TEST_F(Emitters, AgreeOnWhatTheyAre) {
         EXPECT_NE(workshop_.warnings().find("\"sampling_weight\" has no effect"),
                   std::string::npos);
         ASSERT_EQ(s.lights().size(), 1u);
-        const Light& light = s.lights()[0];
-        const Emitter& e = *light.emitter;
-        EXPECT_EQ(e.on_surface(), light.shape != nullptr);
-        EXPECT_EQ(s.infinite_lights().size(), e.infinite() ? 1u : 0u);
-        const LightBounds b = e.bounds(light);
-        EXPECT_EQ(b.box.empty(), e.infinite());
-        EXPECT_TRUE(b.power > 0 && std::isfinite(b.power));
-        EXPECT_FALSE(b.two_sided);
-        Rng rng(1);
-        for (int i = 0; i < 1000; ++i) {
-            const Receiver at = receiver(square_to_uniform_sphere(rng.next_float2()) * 3.0f,
-                                         square_to_uniform_sphere(rng.next_float2()), Sides::both);
-            const auto sample = e.sample_li(light, at, rng.next_float2());
-            if (!sample) continue;
-            EXPECT_EQ(sample->delta, e.delta());
-            EXPECT_EQ(sample->distance == infinity, e.infinite());
-            if (!e.delta()) continue;
-            const Interaction anywhere;
-            EXPECT_EQ(sample->pdf, 1);
-            EXPECT_EQ(e.pdf_li(light, at, sample->wi, &anywhere), 0);
-            EXPECT_EQ(e.environment(sample->wi), Color(0));
-        }
+        EXPECT_TRUE(holds(contracts::emitter_nature(contracts::EmitterTrial(s), {})));
     }
 }
 
 TEST_F(Emitters, C21_ExtremeRandomNumbersAreHarmless) {
     for (const std::string& name : workshop_.registry().names("emitter")) {
         SCOPED_TRACE(name);
-        const Scene& s = with(name);
-        const Light& light = s.lights()[0];
-        const std::array<float, 4> extremes = {0, 0x1p-24f, 0.5f, one_minus_epsilon};
-        for (const float x : extremes) {
-            for (const float y : extremes) {
-                for (const Sides sides : {Sides::front, Sides::back, Sides::both}) {
-                    const Receiver at = receiver({1, 2, 3}, {0, 0, -1}, sides);
-                    const auto li = light.emitter->sample_li(light, at, {x, y});
-                    if (!li) continue;
-                    EXPECT_TRUE(is_finite(li->radiance) && is_finite(li->wi));
-                    EXPECT_TRUE(li->pdf > 0 && std::isfinite(li->pdf));
-                }
-                const auto e = light.emitter->sample_emission(light, {x, y}, {y, x});
-                if (!e) continue;
-                EXPECT_TRUE(is_finite(e->power) && is_finite(e->ray.o) && is_finite(e->ray.d));
-                EXPECT_TRUE(std::isfinite(e->pdf_position * e->pdf_direction));
-            }
-        }
+        const contracts::EmitterTrial trial(with(name));
+        EXPECT_TRUE(holds(contracts::emitter_extreme_numbers(trial)));
     }
 }
 
@@ -277,7 +241,7 @@ TEST_F(Emitters, SampledDensityIsTheEvaluatedOne) {
     }
 }
 
-TEST_F(Emitters, EmissionCarriesThePowerOfTheBounds) {
+TEST_F(Emitters, EmissionCarriesThePowerOfTheBoundsAndTheLightThatIsSampled) {
     const std::string spot = emitter("spot", number("cutoff_angle", 50));
     const std::string wide = number("fov", 100) + "<texture name='irradiance' type='bitmap'>" +
                              word("filename", "half.png") + "</texture>";
@@ -290,20 +254,14 @@ TEST_F(Emitters, EmissionCarriesThePowerOfTheBounds) {
           ball + emitter("directional"), ball + emitter("constant"),
           ball + emitter("envmap", word("filename", "noise.exr"))}) {
         SCOPED_TRACE(xml);
-        const Scene& s = scene(xml);
-        double power = 0;
-        for (const Light& light : s.lights()) power += light.emitter->bounds(light).power;
-        Rng rng(5);
-        RunningStatistics carried;
-        for (int i = 0; i < 200000; ++i) {
-            const Light& light = s.lights()[rng.next_uint() % s.lights().size()];
-            const Vector2 u = rng.next_float2(), v = rng.next_float2();
-            const auto e = light.emitter->sample_emission(light, u, v);
-            carried.add(e ? static_cast<double>(luminance(e->power)) *
-                                static_cast<double>(s.lights().size())
-                          : 0);
-        }
-        EXPECT_TRUE(equivalent(carried, power, 0.015));
+        const contracts::EmitterTrial trial(scene(xml));
+        EXPECT_TRUE(holds(contracts::emitter_power(trial, {})));
+        EXPECT_TRUE(holds(contracts::emitter_bounds(trial, {})));
+        // Closed shapes stand in their own light.
+        if (xml.find("'cube'") != std::string::npos) continue;
+        EXPECT_TRUE(holds(contracts::emitter_photons(trial, {})));
+        EXPECT_TRUE(holds(contracts::emitter_densities(trial, {})));
+        EXPECT_TRUE(holds(contracts::emitter_coverage(trial, {})));
     }
 }
 
@@ -324,28 +282,7 @@ TEST_F(Emitters, EmissionOfManyLanesIsThatOfEach) {
     }
     for (const std::string& xml : cases) {
         SCOPED_TRACE(xml);
-        const Scene& s = scene(xml);
-        Rng rng(7);
-        for (std::size_t count = 1; count <= lane_count; ++count) {
-            const Light& light = s.lights()[rng.next_uint() % s.lights().size()];
-            Vector2Lanes u{}, v{};
-            for (std::size_t i = 0; i < count; ++i) {
-                u.set(i, rng.next_float2());
-                v.set(i, rng.next_float2());
-            }
-            EmissionLanes lanes;
-            light.emitter->batch().sample_emission(*light.emitter, light, u, v, count, lanes);
-            for (std::size_t i = 0; i < count; ++i) {
-                const auto one = light.emitter->sample_emission(light, u[i], v[i]);
-                if (!one) {
-                    EXPECT_TRUE(is_black(lanes.power[i]));
-                    continue;
-                }
-                EXPECT_EQ(lanes.power[i], one->power);
-                EXPECT_EQ(lanes.o[i], one->ray.o);
-                EXPECT_EQ(lanes.d[i], one->ray.d);
-            }
-        }
+        EXPECT_TRUE(holds(contracts::emitter_lanes(contracts::EmitterTrial(scene(xml)), {})));
     }
 }
 
@@ -357,22 +294,7 @@ TEST_F(Emitters, EmissionStaysInsideTheBounds) {
           ball + emitter("projector", to_world("<lookat origin='1 2 3' target='0 0 1'/>")),
           ball + emitter("spot", number("cutoff_angle", 120) + number("beam_width", 100))}) {
         SCOPED_TRACE(xml);
-        const Scene& s = scene(xml);
-        Rng rng(6);
-        for (int i = 0; i < 20000; ++i) {
-            const Light& light = s.lights()[rng.next_uint() % s.lights().size()];
-            const Vector2 u = rng.next_float2(), v = rng.next_float2();
-            const auto e = light.emitter->sample_emission(light, u, v);
-            if (!e || is_black(e->power)) continue;
-            const LightBounds b = light.emitter->bounds(light);
-            for (int k = 0; k < 3; ++k) {
-                EXPECT_GE(e->ray.o[k], b.box.min[k] - 1e-5f);
-                EXPECT_LE(e->ray.o[k], b.box.max[k] + 1e-5f);
-            }
-            const float widest = std::acos(b.cos_normals) + std::acos(b.cos_emission);
-            EXPECT_LE(std::acos(std::clamp(glm::dot(e->ray.d, b.axis), -1.0f, 1.0f)),
-                      widest + 1e-3f);
-        }
+        EXPECT_TRUE(holds(contracts::emitter_bounds(contracts::EmitterTrial(scene(xml)), {})));
     }
 }
 
@@ -501,7 +423,7 @@ TEST_F(Emitters, SpotProjectsItsTexture) {
     EXPECT_NE(refusal(emitter("spot", picture + number("cutoff_angle", 100)), folder->path()), "");
 }
 
-TEST_F(Emitters, SpotProjectsTheUpperLeftOfItsTextureToNegativeXAndY) {
+TEST_F(Emitters, P4_SpotProjectsTheUpperLeftOfItsTextureToNegativeXAndY) {
     const Scene& s =
         scene(ball + emitter("spot", "<texture name='texture' type='bitmap'>" +
                                          word("filename", "upper_left.png") +
@@ -542,7 +464,7 @@ TEST_F(Emitters, ProjectorLightsAPlaneEvenly) {
     EXPECT_NE(refusal(emitter("projector", number("fov", 30) + word("focal_length", "50mm"))), "");
 }
 
-TEST_F(Emitters, ProjectorShowsItsPictureUpright) {
+TEST_F(Emitters, P4_ProjectorShowsItsPictureUpright) {
     const Scene& s =
         scene(ball +
               emitter("projector", number("fov", 90) + "<texture name='irradiance' type='bitmap'>" +
@@ -631,7 +553,7 @@ TEST_F(Environments, C11_ASunLeavesTheSkyItsLight) {
     const Scene& s = map(512, 256, sun_and_sky);
     const RunningStatistics without_sun =
         irradiance(s, receiver({0, 0, 0}, {0, 1, 0}), 4000000, 1.01f);
-    EXPECT_TRUE(mean_is(without_sun, pi_d, 1e-3));
+    EXPECT_TRUE(mean_matches(without_sun, pi_d, 1e-3));
 }
 
 TEST_F(Environments, O17_SkyAndConstant) {
@@ -720,7 +642,8 @@ TEST_F(Environments, C14_SamplingFollowsTheDensity) {
             const auto pdf = [&](Vector3 w) {
                 return static_cast<double>(light.emitter->pdf_li(light, at, w, nullptr));
             };
-            EXPECT_TRUE(sampling_matches_pdf(sample, pdf, {.samples = 200000, .tests = 6}));
+            EXPECT_TRUE(
+                sampling_matches_pdf(sample, pdf, {.grid = {.samples = 200000}, .tests = 6}));
         }
     }
 }
@@ -790,7 +713,7 @@ TEST_F(Environments, PatchesAreSampledAsTheySay) {
         if (radiance.count() == 0) continue;  // black
         const double expected =
             bounds.power / static_cast<double>(pi * sqr(1.0001f * std::sqrt(3.0f)));
-        EXPECT_TRUE(mean_is(radiance, expected, 1e-5)) << k;
+        EXPECT_TRUE(mean_matches(radiance, expected, 1e-5)) << k;
     }
 }
 
@@ -813,7 +736,7 @@ TEST_F(Environments, C14_PatchesFollowTheDensity) {
         const Light& light = s.lights()[s.light_along(0, w)];
         return static_cast<double>(light.emitter->pdf_li(light, at, w, nullptr) / count);
     };
-    EXPECT_TRUE(sampling_matches_pdf(sample, pdf, {.samples = 100000, .tests = 1}));
+    EXPECT_TRUE(sampling_matches_pdf(sample, pdf, {.grid = {.samples = 100000}}));
 }
 
 TEST_F(Environments, SmallAndBlackPicturesAreOneLight) {

@@ -80,7 +80,7 @@ TEST(Obj, everything_that_files_in_the_wild_contain_is_read) {
 
 using Warnings = std::vector<std::string>;
 
-TEST(Obj, concave_faces_are_cut_inside_of_their_outline) {
+TEST(Obj, P5_concave_faces_are_cut_inside_of_their_outline) {
     // An L of area 3 whose first corner does not see all of it.
     const MeshData mesh =
         obj("v 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\n"
@@ -99,7 +99,7 @@ TEST(Obj, concave_faces_are_cut_inside_of_their_outline) {
     EXPECT_EQ(obj(std::string(square) + "f 1 3 2 4\n").crossing_polygons, 1u);
 }
 
-TEST(Obj, all_line_ends_and_continued_lines_are_read) {
+TEST(Obj, P5_all_line_ends_and_continued_lines_are_read) {
     const std::vector<std::string> lines = {"# a quad",  "v 0 0 0", "v 1 0 \\", "0",
                                             "v 1 1 0",   "v 0 1 0", "g a \\",   "b",
                                             "f 1 2 3\\", " 4",      "f 1 2 \\", "3"};
@@ -312,7 +312,7 @@ const char* const textured_faces =
     "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n"
     "3 0 1 2 6 0 0 0.5 0 0.5 1\n3 0 2 3 6 0 0 1 1 0 1\n3 1 2 3 0\n";
 
-TEST(Ply, texture_coordinates_of_faces_are_read) {
+TEST(Ply, P5_texture_coordinates_of_faces_are_read) {
     const MeshData mesh = ply(textured_faces);
     // Vertex 0 has one pair of coordinates, vertex 2 has two; where a face has none, it is (0, 0).
     EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 3, 4, 5, 6, 7}));
@@ -329,7 +329,7 @@ TEST(Ply, L2_texture_coordinates_of_faces_fit_their_corners) {
               "for each corner");
 }
 
-TEST(Ply, triangle_strips_are_read) {
+TEST(Ply, P5_triangle_strips_are_read) {
     const std::string file = replaced(replaced(ascii_ply, "element face", "element tristrips"),
                                       "4 0 1 2 3", "10 0 1 2 3 -1 3 2 1 1 0");
     // Every other triangle is turned; a new strip begins as the first; two triangles of the second

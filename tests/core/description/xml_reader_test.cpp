@@ -158,7 +158,7 @@ TEST(XmlReader, TransformsAreAppliedInOrder) {
     EXPECT_NE(errors_of(property_scene("<transform name=\"t\">" + steps + "</transform>")), "");
 }
 
-TEST(XmlReader, WithoutUpTheImageIsTurnedAsByMitsuba) {
+TEST(XmlReader, P8_WithoutUpTheImageIsTurnedAsByMitsuba) {
     // Results of Mitsuba 3.9.1.
     const auto look = [](const std::string& target) {
         return transform_of("<lookat origin=\"0 0 4\" target=\"" + target + "\"/>");
