@@ -49,7 +49,7 @@ struct Vector3Lanes {
 /// Points on a surface (SurfaceSample).
 struct SurfaceSampleLanes {
     Vector3Lanes p, n;
-    Vector2Lanes uv;
+    Vector2Lanes uv, hit_uv;
     FloatLanes error, pdf;
 };
 
