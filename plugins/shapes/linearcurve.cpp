@@ -3,6 +3,9 @@
 ///
 ///   filename   string      required   lines of x y z radius
 ///   to_world   transform              rotation, translation and uniform scale
+///
+/// Embree meets joints with an absolute tolerance: pieces shorter than 1/1000 of a unit seem
+/// thicker there.
 #include "plugins/shapes/curves.h"
 
 namespace lucerna {

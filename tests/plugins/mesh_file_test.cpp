@@ -382,9 +382,11 @@ TEST(Ply, colours_and_other_numbers_are_attributes) {
 }
 
 TEST(Ply, vertices_that_texture_coordinates_divide_keep_their_attributes) {
-    const std::string heated = replaced(
-        replaced(textured_faces, "property float z\n", "property float z\nproperty float heat_x\n"),
-        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n", "0 0 0 5\n1 0 0 6\n1 1 0 7\n0 1 0 8\n");
+    const std::string heated =
+        replaced(replaced(textured_faces, "property float nz\n",
+                          "property float nz\nproperty float heat_x\n"),
+                 "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n",
+                 "0 0 0 0 0 1 5\n1 0 0 0 0 1 6\n1 1 0 0 0 1 7\n0 1 0 0 0 1 8\n");
     const MeshData mesh = ply(heated);
     const std::vector<float> heat = values_of(mesh, "vertex_heat");
     ASSERT_EQ(heat.size(), mesh.positions.size());
@@ -797,7 +799,8 @@ TEST_F(MeshShapes, attributes_reach_the_material_and_the_light) {
     EXPECT_LT(glm::distance(at->shape->bsdf()->albedo(*at, {0, 0, 1}), expected), 1e-6f);
     const std::string grouped =
         "<shape type='merge'>" + shape("a.ply", attributed_ply, plain) + "</shape>";
-    const auto inside = look_down(World(grouped), 0.75f, 0.25f);
+    const World group(grouped);
+    const auto inside = look_down(group, 0.75f, 0.25f);
     ASSERT_TRUE(inside);
     EXPECT_LT(glm::distance(inside->shape->bsdf()->albedo(*inside, {0, 0, 1}), expected), 1e-6f);
 
