@@ -714,7 +714,8 @@ TEST_F(Environments, SkiesAreSampledAsTheyShine) {
     const std::string high = sun_direction({0.3f, 0.2f, 0.9f}), low = sun_direction({1, 0, 0.08f});
     const std::string y_up = to_world("<rotate x='1' angle='-90'/>");
     for (const std::string& xml :
-         {emitter("sunsky", high), emitter("sky", low), emitter("sunsky", low + y_up),
+         {emitter("sunsky", high), emitter("sky", low),
+          emitter("sunsky", sun_direction({1, 0.08f, 0}) + y_up),
           emitter("sunsky", high + number("sun_aperture", 20) + number("turbidity", 8))}) {
         SCOPED_TRACE(xml);
         const Scene& s = scene(ball + xml);

@@ -823,6 +823,7 @@ TEST_F(MeshShapes, attributes_that_the_shape_has_not_are_refused) {
                name + "'/></texture></bsdf></bsdf>";
     };
     EXPECT_EQ(refusal(shape("a.ply", attributed_ply, diffuse("vertex_colour"))),
+              "a.ply: not read: alpha of vertex\n"
               "the shape has no attribute \"vertex_colour\"; it has vertex_color, vertex_heat, "
               "vertex_wind, face_color, face_load; did you mean \"vertex_color\"?");
     EXPECT_EQ(refusal("<shape type='sphere'>" + diffuse("vertex_color") + "</shape>"),
