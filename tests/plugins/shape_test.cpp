@@ -64,6 +64,8 @@ const std::map<std::string, std::string>& bodies() {
     static const std::map<std::string, std::string> all = {{"city",
                                                             "<string name='part' value='walls'/>"
                                                             "<integer name='size' value='1'/>"},
+                                                           {"bsplinecurve", ""},
+                                                           {"linearcurve", ""},
                                                            {"merge", ""},
                                                            {"obj", file("octahedron.obj")},
                                                            {"ply", file("octahedron.ply")},
@@ -416,6 +418,22 @@ TEST(Sphere, A20_stretching_is_refused_with_the_factors) {
     EXPECT_EQ(refusal(shape("cylinder", to_world("<scale x='3' y='1' z='1'/>"))),
               "\"to_world\" stretches x, y and z by 3, 1 and 1, but a cylinder must stay round: "
               "scale all axes alike, or use a mesh");
+}
+
+/// As in Mitsuba.
+TEST(Shape, what_emits_reflects_nothing_unless_it_is_told_to) {
+    const std::string glow = "<emitter type='area'/>";
+    const Interaction anywhere;
+    const auto reflected = [&](const std::string& inside) {
+        const World world(shape("sphere", inside));
+        return world.shape().bsdf()->albedo(anywhere, {0, 0, 1}).x;
+    };
+    EXPECT_EQ(reflected(glow), 0);
+    EXPECT_EQ(reflected(""), 0.5f);
+    EXPECT_EQ(reflected(glow + "<bsdf type='diffuse'/>"), 0.5f);
+    const World lamp(shape("sphere", glow));
+    EXPECT_EQ(lamp.shape().bsdf()->lobes(), Lobe::none);
+    EXPECT_FALSE(lamp.shape().bsdf()->sample(anywhere, {0, 0, 1}, 0, {}, TransportMode::radiance));
 }
 
 TEST(Shape, what_cannot_be_is_refused) {

@@ -62,7 +62,9 @@ protected:
     /// Every texture with defaults, and some with parameters that are hard.
     std::vector<std::string> all() {
         const std::map<std::string, std::string> bodies = {
-            {"bitmap", word("filename", "noise.exr")}, {"rawconstant", number("value", 0.3)}};
+            {"bitmap", word("filename", "noise.exr")},
+            {"mesh_attribute", word("name", "vertex_color")},
+            {"rawconstant", number("value", 0.3)}};
         std::vector<std::string> list;
         for (const std::string& name : workshop_.registry().names("texture")) {
             const auto body = bodies.find(name);

@@ -30,8 +30,10 @@ public:
     Materials(SceneText& text, Account& account, FindPicture find_picture)
         : text_(text), account_(account), find_picture_(std::move(find_picture)) {}
 
-    void write(const aiMaterial& material, const std::string& id) {
+    /// With `vertex_colors`, for meshes that have them: they are the colour of the surface.
+    void write(const aiMaterial& material, const std::string& id, bool vertex_colors) {
         const Look look(material);
+        vertex_colors_ = vertex_colors;
         open_id_ = " id=\"" + id + "\"";
         remark_.clear();
         const bool masked = look.opacity < 1;
@@ -207,8 +209,19 @@ private:
         if (!picture) picture = texture(material, aiTextureType_DIFFUSE);
         if (picture) {
             bitmap(name, *picture, false);
+            if (vertex_colors_) remark("the picture without the colours of vertices");
             const bool white = value.r > 0.99f && value.g > 0.99f && value.b > 0.99f;
             if (!white) remark("the picture without its factor");
+            return;
+        }
+        if (vertex_colors_) {
+            text_.open(R"(texture type="mesh_attribute" name=")" + std::string(name) + "\"");
+            text_.string("name", "vertex_color");
+            if (value.r != 1) text_.number("scale", static_cast<double>(value.r));
+            text_.close("texture");
+            if (value.r != value.g || value.g != value.b) {
+                remark("colours of vertices with only the red of their factor");
+            }
             return;
         }
         const aiColor3D kept(std::clamp(value.r, 0.0f, 1.0f), std::clamp(value.g, 0.0f, 1.0f),
@@ -260,6 +273,7 @@ private:
     Account& account_;
     FindPicture find_picture_;
     std::string open_id_, remark_;
+    bool vertex_colors_ = false;
 };
 
 }  // namespace lucerna

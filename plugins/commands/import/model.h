@@ -132,12 +132,19 @@ private:
         Materials materials(body_, account_,
                             [this](const std::string& path) { return picture(path); });
         for (const Placed& placed : meshes_) {
-            const unsigned index = scene_.mMeshes[placed.mesh]->mMaterialIndex;
-            if (ids_.contains(index)) continue;
-            const aiMaterial& material = *scene_.mMaterials[index];
-            ids_[index] = names_.unique(Materials::name_of(material), "material");
-            materials.write(material, ids_[index]);
+            const aiMesh& mesh = *scene_.mMeshes[placed.mesh];
+            std::string& id = ids_[surface_of(mesh)];
+            if (!id.empty()) continue;
+            const aiMaterial& material = *scene_.mMaterials[mesh.mMaterialIndex];
+            id = names_.unique(Materials::name_of(material), "material");
+            materials.write(material, id, mesh.HasVertexColors(0));
         }
+    }
+
+    /// A material, and whether it takes its colour from vertices.
+    using Surface = std::pair<unsigned, bool>;
+    static Surface surface_of(const aiMesh& mesh) {
+        return {mesh.mMaterialIndex, mesh.HasVertexColors(0)};
     }
 
     void shape(const Placed& placed) {
@@ -177,7 +184,7 @@ private:
         body_.open(R"(shape type="ply")");
         body_.string("filename", mesh_file(index, name));
         body_.matrix(to_world);
-        body_.empty("ref id=\"" + ids_[mesh.mMaterialIndex] + "\"");
+        body_.empty("ref id=\"" + ids_[surface_of(mesh)] + "\"");
         Materials(body_, account_, [this](const std::string& path) {
             return picture(path);
         }).write_emission(*scene_.mMaterials[mesh.mMaterialIndex]);
@@ -197,7 +204,9 @@ private:
                                   partly ? ", without points and lines" : ""));
         if (mesh.HasBones()) account_.note(Fate::dropped, "bones", name, "the mesh as it is bound");
         if (mesh.mNumAnimMeshes > 0) account_.note(Fate::dropped, "morph targets", name);
-        if (mesh.HasVertexColors(0)) account_.note(Fate::dropped, "vertex colours", name);
+        if (mesh.HasVertexColors(0)) {
+            account_.note(Fate::converted, "vertex colours", name, "as linear ones");
+        }
         return file;
     }
 
@@ -333,7 +342,8 @@ private:
     std::map<std::string, aiMatrix4x4> nodes_;
     std::vector<Placed> meshes_;
     std::map<unsigned, unsigned> uses_;  ///< how often each mesh is placed
-    std::map<unsigned, std::string> ids_, mesh_files_, groups_;
+    std::map<Surface, std::string> ids_;
+    std::map<unsigned, std::string> mesh_files_, groups_;
     std::map<const aiTexture*, std::string> pictures_;
     aiVector3D low_{1e30f, 1e30f, 1e30f}, high_{-1e30f, -1e30f, -1e30f};
 };

@@ -18,17 +18,19 @@ inline std::size_t triangles_of(const aiMesh& mesh) {
     return count;
 }
 
-/// Little-endian, with normals and texture coordinates if the mesh has them. v counts downwards in
-/// PLY files, as in Mitsuba, and upwards in assimp.
+/// Little-endian, with normals, texture coordinates and linear colours if the mesh has them. v
+/// counts downwards in PLY files, as in Mitsuba, and upwards in assimp.
 inline std::string ply_of(const aiMesh& mesh) {
     const bool normals = mesh.HasNormals(), uvs = mesh.HasTextureCoords(0);
+    const bool colors = mesh.HasVertexColors(0);
     std::string bytes = fmt::format(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
-        "property float x\nproperty float y\nproperty float z\n{}{}"
+        "property float x\nproperty float y\nproperty float z\n{}{}{}"
         "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
         mesh.mNumVertices,
         normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-        uvs ? "property float u\nproperty float v\n" : "", triangles_of(mesh));
+        uvs ? "property float u\nproperty float v\n" : "",
+        colors ? "property float r\nproperty float g\nproperty float b\n" : "", triangles_of(mesh));
     const auto put = [&](std::uint32_t value) {
         for (int i = 0; i < 4; ++i) bytes += static_cast<char>(value >> (8 * i) & 255);
     };
@@ -39,9 +41,11 @@ inline std::string ply_of(const aiMesh& mesh) {
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
         put_vector(mesh.mVertices[i]);
         if (normals) put_vector(mesh.mNormals[i]);
-        if (!uvs) continue;
-        put_float(mesh.mTextureCoords[0][i].x);
-        put_float(1 - mesh.mTextureCoords[0][i].y);
+        if (uvs) {
+            put_float(mesh.mTextureCoords[0][i].x);
+            put_float(1 - mesh.mTextureCoords[0][i].y);
+        }
+        for (unsigned k = 0; colors && k < 3; ++k) put_float(mesh.mColors[0][i][k]);
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
         const aiFace& face = mesh.mFaces[i];
