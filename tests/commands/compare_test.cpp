@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `lucerna compare` as users run it: figures, files, reference, and what it refuses.
 #include "core/interfaces/command.h"
-#include "plugins/commands/comparison/bias.h"
-#include "plugins/commands/comparison/page.h"
-#include "plugins/commands/comparison/statistics.h"
+#include "plugins/commands/compare/bias.h"
+#include "plugins/commands/compare/picture_text.h"
+#include "plugins/commands/compare/statistics.h"
 #include "tests/commands/process.h"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A scene with all that it reads, in one folder: the scene file, what it includes, meshes,
+/// pictures, spectra, and plugins that are not Lucerna's own. The copies name each other by their
+/// names in the folder, whatever paths, search paths and parameters the scene used.
+#pragma once
+
+#include "core/render/session.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lucerna {
+
+struct PackedScene {
+    std::string name;                    ///< of the scene file, in the folder "scene"
+    std::vector<std::string> overrides;  ///< those of the settings, with the names of the copies
+    bool has_plugins = false;            ///< in the folder "plugins"
+};
+
+/// Writes `folder`/scene and, if the scene needs any, `folder`/plugins. The definitions of the
+/// settings become defaults of the scene. Throws FileError.
+PackedScene pack_scene(const Session& session, const SessionSettings& settings,
+                       const std::filesystem::path& folder);
+
+}  // namespace lucerna
