@@ -2,6 +2,7 @@
 #include "plugins/commands/compare/comparison.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lucerna {
 
@@ -38,9 +39,25 @@ Summary::Summary(const ComparisonResult& result) : reference_(result.reference) 
     const std::vector<double> variances =
         block_variances(reference_.halves, reference.means().size());
     for (const VariantRuns& variant : result.variants) {
-        all.push_back(figures(variant, result.variants.front()));
+        all.push_back(figures(variant, result.variants.front(), result.by_parts));
         all.back().bias = test_bias(variant.blocks, reference, variances);
     }
+}
+
+std::vector<double> machine_speeds(const ComparisonResult& result) {
+    std::vector<double> speeds;
+    for (std::size_t round = 0; round < result.machines.size(); ++round) {
+        double sum = 0;
+        for (const VariantRuns& variant : result.variants) {
+            const Run& run = variant.runs[round];
+            sum += std::log(static_cast<double>(run.figures.samples) / run.render_seconds);
+        }
+        speeds.push_back(sum / static_cast<double>(result.variants.size()));
+    }
+    double mean = 0;
+    for (const double x : speeds) mean += x / static_cast<double>(speeds.size());
+    for (double& x : speeds) x = std::exp(x - mean);
+    return speeds;
 }
 
 double Summary::relmse(const Metrics& m) const {
@@ -49,13 +66,15 @@ double Summary::relmse(const Metrics& m) const {
 
 double Summary::mse(const Metrics& m) const { return without_reference(m.mse, mse_noise()); }
 
-Figures Summary::figures(const VariantRuns& variant, const VariantRuns& first) const {
+Figures Summary::figures(const VariantRuns& variant, const VariantRuns& first, bool paired) const {
     const auto over_runs = [&](const auto& value) {
         return geometric_mean(values(variant, value));
     };
     const auto over_first = [&](const auto& value) {
         if (&variant == &first) return Interval{1, 1, 1};
-        return ratio_of_means(values(variant, value), values(first, value));
+        const std::vector<double> above = values(variant, value), below = values(first, value);
+        // Runs of one round are of one machine; those of others may be of faster ones.
+        return paired ? paired_ratio(above, below) : ratio_of_means(above, below);
     };
     Figures f;
     f.mse = over_runs([&](const Run& run) { return mse(run.metrics); });

@@ -6,6 +6,7 @@
 #include "core/render/budget.h"
 #include "core/render/statistics.h"
 #include "plugins/commands/compare/bias.h"
+#include "plugins/commands/compare/machine.h"
 #include "plugins/commands/compare/reference.h"
 #include "plugins/commands/compare/statistics.h"
 
@@ -54,8 +55,14 @@ struct ComparisonResult {
     std::uint64_t seed = 0;
     Reference reference;
     std::vector<VariantRuns> variants{};
+    std::vector<Machine> machines{};  ///< of each round
     bool interrupted = false;
+    bool by_parts = false;  ///< rounds may have been timed on different machines
 };
+
+/// How fast the machine of each round was, relative to the geometric mean over the rounds: from the
+/// samples per second of all variants. Empty without rounds.
+std::vector<double> machine_speeds(const ComparisonResult& result);
 
 /// What is said of a variant.
 struct Figures {
@@ -85,7 +92,7 @@ public:
     double mse_noise() const { return reference_.error ? reference_.error->mse : 0; }
 
 private:
-    Figures figures(const VariantRuns& variant, const VariantRuns& first) const;
+    Figures figures(const VariantRuns& variant, const VariantRuns& first, bool paired) const;
 
     const Reference& reference_;
 };

@@ -5,12 +5,9 @@
 
 #include <fmt/format.h>
 
-#include <sys/utsname.h>
-
 #include <algorithm>
 #include <chrono>
 #include <ctime>
-#include <fstream>
 
 namespace lucerna {
 
@@ -94,24 +91,22 @@ Json budget_json(const RenderBudget& budget) {
     return json.set("relative_mse", budget.error);
 }
 
-std::string processor() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);) {
-        const std::size_t colon = line.find(": ");
-        if (line.starts_with("model name") && colon != std::string::npos) {
-            return line.substr(colon + 2);
-        }
-    }
-    return "unknown processor";
+Json machine_json(const Machine& machine) {
+    Json json = Json::object();
+    json.set("processor", machine.processor).set("threads", machine.threads);
+    json.set("system", machine.system).set("node", machine.node);
+    return json.set("cores", machine.cores);
 }
 
-Json machine_json(int threads) {
-    utsname system{};
-    uname(&system);
-    Json json = Json::object();
-    json.set("processor", processor()).set("threads", threads);
-    return json.set("system",
-                    fmt::format("{} {} {}", system.sysname, system.release, system.machine));
+Json rounds_json(const ComparisonResult& result) {
+    const std::vector<double> speeds = machine_speeds(result);
+    Json rounds = Json::array();
+    for (std::size_t i = 0; i < result.machines.size(); ++i) {
+        Json round = machine_json(result.machines[i]);
+        round.set("round", i + 1).set("relative_speed", speeds[i]);
+        rounds.append(round.set("other_load", result.machines[i].other_load));
+    }
+    return rounds;
 }
 
 std::string utc_now() {
@@ -121,6 +116,31 @@ std::string utc_now() {
     char text[32];
     std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &date);
     return text;
+}
+
+/// Machines that differ, and those that others used at the same time.
+std::vector<std::string> machine_warnings(const ComparisonResult& result) {
+    std::vector<std::string> lines;
+    const std::vector<double> speeds = machine_speeds(result);
+    if (result.by_parts) {
+        const auto [slowest, fastest] = std::minmax_element(speeds.begin(), speeds.end());
+        if (*fastest > 1.1 * *slowest) {
+            lines.push_back(fmt::format(
+                "the machines of the rounds differ in speed, by up to ×{:.3g}: times are medians "
+                "over all of them; ratios are of runs on one machine",
+                *fastest / *slowest));
+        }
+    }
+    const auto busiest = std::max_element(
+        result.machines.begin(), result.machines.end(),
+        [](const Machine& a, const Machine& b) { return a.other_load < b.other_load; });
+    if (busiest != result.machines.end() && busiest->other_load > 0.05) {
+        lines.push_back(fmt::format(
+            "other programs took up to {:.0f} % of the processors (round {}, on {}): times are not "
+            "those of a machine that does nothing else",
+            100 * busiest->other_load, busiest - result.machines.begin() + 1, busiest->node));
+    }
+    return lines;
 }
 
 }  // namespace
@@ -138,6 +158,7 @@ std::vector<std::string> warnings(const ComparisonResult& result, const Summary&
             "renders that stop at their own estimate of the error stop a little early "
             "when they are lucky");
     }
+    for (const std::string& line : machine_warnings(result)) lines.push_back(line);
     for (std::size_t i = 0; i < summary.all.size(); ++i) {
         const Figures& f = summary.all[i];
         const std::string& name = result.variants[i].variant.name;
@@ -161,15 +182,16 @@ std::vector<std::string> warnings(const ComparisonResult& result, const Summary&
 }
 
 Json to_json(const ComparisonResult& result, const Summary& summary) {
-    const RenderFigures& some = result.variants.front().runs.front().figures;
     const Image& picture = result.reference.image;
     Json json = Json::object();
     json.set("schema", 1).set("scene", result.scene).set("command", result.command);
     json.set("version", core_version()).set("date", utc_now());
-    json.set("machine", machine_json(some.threads)).set("budget", budget_json(result.budget));
+    json.set("machine", machine_json(result.machines.front()))
+        .set("budget", budget_json(result.budget));
     json.set("repeats", result.variants.front().runs.size());
     json.set("seed", std::to_string(result.seed));
     const auto degrees = static_cast<double>(result.variants.front().runs.size()) - 1;
+    json.set("by_parts", result.by_parts).set("rounds", rounds_json(result));
     json.set("student_t", student_quantile(0.95, degrees));
     json.set("width", picture.width).set("height", picture.height);
     json.set("epsilon", compare_images(picture, picture).epsilon);
@@ -185,20 +207,23 @@ std::string to_csv(const ComparisonResult& result, const Summary& summary) {
     std::string text =
         "variant,repeat,seed,samples_per_pixel,build_seconds,render_seconds,mse,relative_mse,"
         "measured_mse,measured_relative_mse,trimmed_relative_mse,trimmed_share,flip,"
-        "intersections,occlusions,blocked,dropped_samples,peak_memory_bytes\n";
+        "intersections,occlusions,blocked,dropped_samples,peak_memory_bytes,node,other_load\n";
     for (const VariantRuns& variant : result.variants) {
         std::string name;
         for (const char c : variant.variant.name) name += c == '"' ? "\"\"" : std::string(1, c);
-        for (const Run& run : variant.runs) {
+        for (std::size_t i = 0; i < variant.runs.size(); ++i) {
+            const Run& run = variant.runs[i];
+            const Machine& machine = result.machines[i];
             const Metrics& m = run.metrics;
             text += fmt::format("\"{}\",{},{},{},{:.6f},{:.6f},{:.9g},{:.9g},{:.9g},{:.9g},", name,
                                 run.repeat, run.figures.seed, run.figures.samples,
                                 run.figures.build_seconds, run.render_seconds, summary.mse(m),
                                 summary.relmse(m), m.mse, m.relmse);
-            text += fmt::format("{:.9g},{:.6g},{:.9g},{},{},{},{},{}\n", m.trimmed_relmse,
-                                m.trimmed_share, run.flip, run.figures.rays.intersections,
-                                run.figures.rays.occlusions, run.figures.rays.blocked,
-                                run.figures.dropped_samples, run.memory);
+            text += fmt::format("{:.9g},{:.6g},{:.9g},{},{},{},{},{},\"{}\",{:.4f}\n",
+                                m.trimmed_relmse, m.trimmed_share, run.flip,
+                                run.figures.rays.intersections, run.figures.rays.occlusions,
+                                run.figures.rays.blocked, run.figures.dropped_samples, run.memory,
+                                machine.node, machine.other_load);
         }
     }
     return text;
@@ -239,6 +264,18 @@ std::string table(const ComparisonResult& result, const Summary& summary) {
                             result.variants[i].variant.name, width, f.samples, f.build_seconds,
                             f.render_seconds, error, f.flip.value, visible,
                             i == 0 ? "×1" : factor_text(f.efficiency), bias_text(f.bias));
+    }
+    return text;
+}
+
+std::string machine_table(const ComparisonResult& result) {
+    std::string text = "\nround  speed  others  threads  node, processor\n";
+    const std::vector<double> speeds = machine_speeds(result);
+    for (std::size_t i = 0; i < result.machines.size(); ++i) {
+        const Machine& m = result.machines[i];
+        text += fmt::format("{:>5}  {:>5}  {:>4.0f} %  {:>2} of {:>2}  {}, {}\n", i + 1,
+                            fmt::format("×{:.2f}", speeds[i]), 100 * m.other_load, m.threads,
+                            m.cores, m.node, m.processor);
     }
     return text;
 }

@@ -21,4 +21,7 @@ std::string to_csv(const ComparisonResult& result, const Summary& summary);
 
 std::string table(const ComparisonResult& result, const Summary& summary);
 
+/// The machine of each round.
+std::string machine_table(const ComparisonResult& result);
+
 }  // namespace lucerna

@@ -68,6 +68,12 @@ Interval ratio_of_means(std::span<const double> above, std::span<const double> b
     return from_logarithm(a.value - b.value, t * std::sqrt(variance));
 }
 
+Interval paired_ratio(std::span<const double> above, std::span<const double> below) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < above.size(); ++i) ratios.push_back(above[i] / below[i]);
+    return geometric_mean(ratios);
+}
+
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
     std::sort(values.begin(), values.end());

@@ -41,6 +41,10 @@ Interval geometric_mean(std::span<const double> values);
 /// 'Student's' problem", Biometrika 34 (1947), of the logarithms.
 Interval ratio_of_means(std::span<const double> above, std::span<const double> below);
 
+/// Geometric mean of the ratios of pairs, such as runs on one machine, with its 95 % interval:
+/// Student's, of the logarithms.
+Interval paired_ratio(std::span<const double> above, std::span<const double> below);
+
 double median(std::vector<double> values);
 
 }  // namespace lucerna

@@ -4,6 +4,8 @@
 #include "core/base/atomic_file.h"
 #include "plugins/commands/jobs/file_store.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <string_view>
 #include <utility>
@@ -30,7 +32,8 @@ constexpr std::string_view part_script = R"script(#!/usr/bin/env bash
 part=$SLURM_ARRAY_TASK_ID
 threads=${SLURM_CPUS_PER_TASK:-${SLURM_CPUS_ON_NODE:-0}} # 0: one for each processor
 command=("$lucerna" @COMMAND@)
-
+goes_on=@GOES_ON@ # 1: after a stop, from its checkpoint; 0: a stop loses what was done
+@OTHER@
 note() { printf '%s %s %s\n' "$1" "$(date +%s)" "$2" >> "records/$part.txt"; }
 
 # Slurm sends SIGUSR1 to this shell, before the time limit, and SIGTERM to all processes of the
@@ -48,6 +51,10 @@ while [[ -n $stopping ]]; do # a signal ends `wait` before the command ends
     wait "$running"
     code=$?
 done
+if [[ $reason == limit ]] && ((code != 0 && !goes_on)); then
+    echo "part $part takes longer than Slurm's time limit, and cannot go on later: raise the limit"
+    code=1
+fi
 note end "$code"
 
 # Exit codes 75 and from 128 on (a signal) say: again. What was asked to stop, Slurm requeues
@@ -90,12 +97,20 @@ void write_job(const JobFolder& job, const JobCommands& commands) {
     namespace fs = std::filesystem;
     std::string options;
     for (const std::string& option : commands.slurm_options) options += "#SBATCH " + option + "\n";
+    std::string other;
+    if (!commands.other.empty()) {
+        other = fmt::format(
+            "if ((part > {})); then\n    command=(\"$lucerna\" {})\n    goes_on=1\nfi\n",
+            commands.other_after, commands.other);
+    }
     const auto write = [&](const fs::path& path, std::string_view text,
                            const std::string& command) {
         write_file_atomically(path, filled_in(text, {{"NAME", job.name()},
                                                      {"PARTS", std::to_string(job.part_count())},
                                                      {"OPTIONS", options},
                                                      {"PROGRAM", commands.program},
+                                                     {"GOES_ON", commands.goes_on ? "1" : "0"},
+                                                     {"OTHER", other},
                                                      {"COMMAND", command}}));
         fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec, fs::perm_options::add);
     };

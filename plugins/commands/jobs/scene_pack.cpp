@@ -24,24 +24,30 @@ public:
         : description_(session.description()),
           registry_(session.registry()),
           files_(folder / "scene") {
-        for (const Element& element : description_.elements) add_files(element);
+        for (const Element& element : description_.elements) add_files(element, description_);
         add_found_files();
         const SourceFile& main = description_.sources.front();
         result_.name = files_.add_text(std::filesystem::path(main.path).filename().string(),
                                        with_defaults(rewritten(main), settings.defines));
         for (const std::string& text : settings.overrides) {
-            const auto renamed = overrides_by_text_.find(text);
-            result_.overrides.push_back(renamed == overrides_by_text_.end() ? text
-                                                                            : renamed->second);
+            result_.overrides.push_back(result_.renamed(text));
         }
-        copy_plugins(folder / "plugins");
+        copy_plugins(session.registry(), folder / "plugins");
+    }
+
+    /// Packs what the overrides of a variant add.
+    void add_variant(const Session& variant, const std::filesystem::path& folder) {
+        for (const Element& element : variant.description().elements) {
+            add_files(element, variant.description());
+        }
+        copy_plugins(variant.registry(), folder / "plugins");
     }
 
     PackedScene result() && { return std::move(result_); }
 
 private:
     /// The files that the plugin of an element reads.
-    void add_files(const Element& element) {
+    void add_files(const Element& element, const Description& description) {
         if (!is_object_kind(element.kind)) return;
         const std::vector<std::string>& parameters = file_parameters(element);
         for (const Property& property : element.properties) {
@@ -51,19 +57,20 @@ private:
             }
             if (const auto* untyped = std::get_if<UntypedText>(&property.value)) {
                 const std::string& text = property.where.file->text;
-                overrides_by_text_[text] =
-                    text.substr(0, text.find('=') + 1) + add_file(untyped->text);
-            } else if (const auto* name = std::get_if<std::string>(&property.value)) {
+                result_.renamed_settings[text] =
+                    text.substr(0, text.find('=') + 1) + add_file(untyped->text, description);
+            } else if (const auto* name = std::get_if<std::string>(&property.value);
+                       name && &description == &description_) {
                 const Location where = property.where;
                 const std::size_t offset =
                     attribute_value_offset(where.file->text, where.offset, "value");
-                new_values_[where.file][offset] = add_file(*name);
+                new_values_[where.file][offset] = add_file(*name, description);
             }
         }
     }
 
-    std::string add_file(const std::string& name) {
-        return files_.add_file(find_file(name, description_.search_paths));
+    std::string add_file(const std::string& name, const Description& description) {
+        return files_.add_file(find_file(name, description.search_paths));
     }
 
     /// Names of the parameters that are files.
@@ -148,10 +155,10 @@ private:
         return text;
     }
 
-    void copy_plugins(const std::filesystem::path& folder) {
-        const std::filesystem::path own = registry_.folders().back();
-        for (const std::string& name : registry_.opened()) {
-            for (const std::filesystem::path& place : registry_.folders()) {
+    void copy_plugins(const Registry& registry, const std::filesystem::path& folder) {
+        const std::filesystem::path own = registry.folders().back();
+        for (const std::string& name : registry.opened()) {
+            for (const std::filesystem::path& place : registry.folders()) {
                 const std::filesystem::path library = place / (name + ".so");
                 if (!std::filesystem::exists(library)) continue;
                 if (place == own) break;
@@ -171,14 +178,26 @@ private:
     std::map<std::pair<std::string, std::string>, std::vector<std::string>> file_parameters_;
     /// By source and the offset of the value that they replace.
     std::map<const SourceFile*, std::map<std::size_t, std::string>> new_values_;
-    std::map<std::string, std::string> overrides_by_text_;
 };
 
 }  // namespace
 
-PackedScene pack_scene(const Session& session, const SessionSettings& settings,
-                       const std::filesystem::path& folder) {
-    return ScenePack(session, settings, folder).result();
+std::string PackedScene::renamed(const std::string& setting) const {
+    const auto found = renamed_settings.find(setting);
+    return found == renamed_settings.end() ? setting : found->second;
+}
+
+PackedScene pack_scene(
+    const Session& session, const SessionSettings& settings, const std::filesystem::path& folder,
+    const std::vector<SessionSettings>& variants,
+    const std::function<void(std::size_t index, const Session& variant)>& built) {
+    ScenePack pack(session, settings, folder);
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+        const Session variant(variants[i]);
+        if (built) built(i, variant);
+        pack.add_variant(variant, folder);
+    }
+    return std::move(pack).result();
 }
 
 }  // namespace lucerna

@@ -23,12 +23,12 @@ double time_of_day() {
 
 }  // namespace
 
-PartRendering::PartRendering(const Request& request)
+PartRendering::PartRendering(const Request& request, Preview* preview)
     : request_(request),
       file_(request.output),
       checkpoint_(request.output + ".checkpoint"),
       session_(session_settings(request)),
-      progress_(Progress::choose(request.quiet)),
+      display_(request, preview),
       begin_(time_of_day()) {
     const int default_count = session_.scene().sensor().sampler().sample_count();
     all_samples_ = request.budget.samples.value_or(static_cast<std::uint64_t>(default_count));
@@ -73,8 +73,9 @@ int PartRendering::run() {
     const InterruptGuard guard;
     const double earlier = state->seconds;
     const RenderOptions how = options(*state);
+    display_.begin();
     const RenderResult result = session_.render(how, std::move(state));
-    progress_.clear();
+    display_.clear();
     return finish(result, earlier + result.figures.render_seconds);
 }
 
@@ -87,12 +88,14 @@ int PartRendering::finish(const RenderResult& result, double seconds) {
                        result.film.most_samples() > 0 ? checkpoint_.string() + " is kept"
                                                       : "nothing was written");
         }
+        if (result.film.most_samples() > 0) display_.finish(result.film, result.figures);
         return exit_code::interrupted;
     }
     save(file_, result.film, seconds);
     std::filesystem::remove(checkpoint_);
     fmt::print(stderr, "{}", figures_warnings(result.figures));
     print(result);
+    display_.finish(result.film, result.figures);
     return exit_code::success;
 }
 
@@ -141,10 +144,11 @@ RenderOptions PartRendering::options(const RenderState& from) {
     if (request_.budget.seconds) options.budget.seconds = *request_.budget.seconds - earlier;
     options.seed = request_.seed;
     options.interrupted = InterruptGuard::interrupted;
-    if (!request_.quiet) {
-        options.progress = [this](const RenderStatus& status) { progress_.update(status); };
+    if (!display_.is_idle()) {
+        options.progress = [this](const RenderStatus& status) { display_.report(status); };
     }
     options.after_pass = [this, earlier](const RenderStatus& status, const FilmState& film) {
+        display_.after_pass(status, film);
         if (status.seconds < last_checkpoint_ + request_.checkpoint_seconds) return;
         last_checkpoint_ = status.seconds;
         save_checkpoint(film, earlier + status.seconds);
@@ -157,7 +161,7 @@ void PartRendering::save_checkpoint(const FilmState& film, double seconds) {
     try {
         save(checkpoint_, film, seconds);
     } catch (const FileError& e) {
-        progress_.clear();
+        display_.clear();
         fmt::print(stderr, "warning: no checkpoint: {}\n", e.what());
     }
 }
@@ -181,13 +185,16 @@ void PartRendering::save(const std::filesystem::path& path, const FilmState& fil
 void PartRendering::print(const RenderResult& result) const {
     const std::uint64_t end = range_.begin + result.film.complete_samples();
     const std::string samples = SampleRanges({.begin = range_.begin, .end = end}).text();
-    if (request_.json) {
+    if (request_.json || request_.json_progress) {
         Json json = Json::object();
-        json.set("schema", 1).set("scene", request_.scene).set("state", file_.string());
+        json.set("schema", 1);
+        if (request_.json_progress) json.set("state", "finished");
+        json.set("scene", request_.scene);
+        json.set(request_.json_progress ? "file" : "state", file_.string());
         json.set("part", request_.part->number).set("parts", request_.part->count);
         json.set("samples", samples).set("all_samples", all_samples_);
         json.set("figures", to_json(result.figures));
-        fmt::print("{}", json.text());
+        fmt::print("{}", request_.json_progress ? json.line() : json.text());
     } else if (!request_.quiet) {
         fmt::print("{}, samples {}: {}\n{}\n", name(), samples, figures_text(result.figures),
                    file_.string());

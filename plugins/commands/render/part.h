@@ -6,8 +6,8 @@
 /// replace each other's files by equal ones.
 #pragma once
 
-#include "core/render/progress.h"
 #include "core/render/session.h"
+#include "plugins/commands/render/display.h"
 #include "plugins/commands/render/request.h"
 
 #include <filesystem>
@@ -19,7 +19,8 @@ namespace lucerna {
 class PartRendering {
 public:
     /// Reads and builds the scene. Throws Error if there are more parts than samples.
-    explicit PartRendering(const Request& request);
+    /// `preview` may be null.
+    PartRendering(const Request& request, Preview* preview);
 
     /// Returns the exit code.
     int run();
@@ -43,7 +44,7 @@ private:
     Session session_;
     std::uint64_t all_samples_ = 0;
     SampleRange range_;
-    Progress progress_;
+    Display display_;
     double begin_;  ///< of rendering, also before a restart [s since 1970]
     double last_checkpoint_ = 0;
 };

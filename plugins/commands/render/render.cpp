@@ -8,9 +8,8 @@
 #include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/output.h"
-#include "core/render/preview_feed.h"
-#include "core/render/progress.h"
 #include "core/render/session.h"
+#include "plugins/commands/render/display.h"
 #include "plugins/commands/render/part.h"
 #include "plugins/commands/render/request.h"
 
@@ -35,21 +34,6 @@ bool is_black(const FilmState& film) {
     return true;
 }
 
-/// What the command line asks for, opened; null if it asks for none.
-std::unique_ptr<Preview> preview_of(const Request& request) {
-    if (request.preview.empty()) return nullptr;
-    Registry registry({request.plugin_folders.begin(), request.plugin_folders.end()});
-    return open_preview(registry, request.preview,
-                        {.name = PicturePaths(request.output, request.scene).exr.string(),
-                         .exposure = request.exposure,
-                         .stop = InterruptGuard::interrupt});
-}
-
-/// The progress that is shown.
-Progress::Mode progress_mode(const Request& request) {
-    return request.json_progress ? Progress::Mode::json : Progress::choose(request.quiet);
-}
-
 /// Throws Error for states that have not all samples from the first one on.
 void check_whole(const RenderState& state, const fs::path& path) {
     const SampleRanges& samples = state.part.samples;
@@ -72,8 +56,7 @@ public:
           view_(std::move(view)),
           paths_(request.output, request.scene),
           session_(session_settings(request)),
-          progress_(progress_mode(request)),
-          preview_(preview) {}
+          display_(request, preview) {}
 
     int run();
 
@@ -81,10 +64,8 @@ private:
     void check_files() const;
     std::optional<RenderState> previous_state() const;
     RenderOptions options(double earlier_seconds);
-    void report(const RenderStatus& status);
     void keep(const FilmState& film, double seconds, double earlier_seconds);
     void save_state(const FilmState& film, double seconds) const;
-    void print_warning_of_preview();
     Json summary(const RenderResult& result) const;
     void print(const RenderResult& result) const;
 
@@ -93,9 +74,7 @@ private:
     PictureView view_;
     PicturePaths paths_;
     Session session_;
-    Progress progress_;
-    Preview* preview_;
-    std::optional<PreviewFeed> feed_;
+    Display display_;
     double last_checkpoint_ = 0;
 };
 
@@ -108,9 +87,9 @@ int Rendering::run() {
     const double earlier_seconds = state ? state->seconds : 0;
 
     const InterruptGuard guard;
-    if (preview_) feed_.emplace(*preview_, request_.threads);
+    display_.begin();
     const RenderResult result = session_.render(options(earlier_seconds), std::move(state));
-    progress_.clear();
+    display_.clear();
     if (result.interrupted && result.film.most_samples() == 0) {
         // What may lie there already is worth more than black pictures.
         fmt::print(stderr, "interrupted before the first sample: nothing was written\n");
@@ -132,10 +111,7 @@ int Rendering::run() {
                    "warning: the picture is black: the scene has no light; add an <emitter>\n");
     }
     print(result);
-    if (feed_) {
-        feed_->finish(result.film, result.figures);
-        print_warning_of_preview();
-    }
+    display_.finish(result.film, result.figures);
     if (no_checkpoint) std::rethrow_exception(no_checkpoint);
     return result.interrupted ? exit_code::interrupted : exit_code::success;
 }
@@ -172,21 +148,15 @@ RenderOptions Rendering::options(double earlier_seconds) {
     options.budget = request_.budget;
     options.seed = request_.seed;
     options.interrupted = InterruptGuard::interrupted;
-    const bool shown = feed_ || request_.json_progress || !request_.quiet;
-    if (shown) options.progress = [this](const RenderStatus& status) { report(status); };
+    if (!display_.is_idle()) {
+        options.progress = [this](const RenderStatus& status) { display_.report(status); };
+    }
     options.after_pass = [this, earlier_seconds](const RenderStatus& status,
                                                  const FilmState& film) {
-        if (feed_) feed_->after_pass(status, film);
+        display_.after_pass(status, film);
         keep(film, status.seconds, earlier_seconds);
     };
     return options;
-}
-
-void Rendering::report(const RenderStatus& status) {
-    progress_.update(status);
-    if (!feed_) return;
-    feed_->update(status);
-    print_warning_of_preview();
 }
 
 /// Writes the checkpoint if it is due.
@@ -198,7 +168,7 @@ void Rendering::keep(const FilmState& film, double seconds, double earlier_secon
         save_state(film, earlier_seconds + seconds);
     } catch (const FileError& e) {
         // The render is worth more than this checkpoint; the last one is still there.
-        progress_.clear();
+        display_.clear();
         fmt::print(stderr, "warning: no checkpoint: {}\n", e.what());
     }
 }
@@ -206,13 +176,6 @@ void Rendering::keep(const FilmState& film, double seconds, double earlier_secon
 void Rendering::save_state(const FilmState& film, double seconds) const {
     write_state(request_.checkpoint, film, session_.identity(request_.seed), seconds,
                 session_.record());
-}
-
-void Rendering::print_warning_of_preview() {
-    const std::optional<std::string> warning = feed_->take_warning();
-    if (!warning) return;
-    progress_.clear();
-    fmt::print(stderr, "warning: {}\n", *warning);
 }
 
 Json Rendering::summary(const RenderResult& result) const {
@@ -238,9 +201,9 @@ void Rendering::print(const RenderResult& result) const {
     std::fflush(stdout);
 }
 
-int render_part(const Request& request) {
+int render_part(const Request& request, Preview* preview) {
     try {
-        return PartRendering(request).run();
+        return PartRendering(request, preview).run();
     } catch (const TransientFileError& e) {
         fmt::print(stderr, "{}\n", e.what());
         return exit_code::try_again;
@@ -264,14 +227,6 @@ public:
             return exit_code::usage;
         }
         ignore_write_signals();
-        if (request.part) return render_part(request);
-        std::optional<PictureView> view;
-        try {
-            view = picture_view(request.view, request.exposure);
-        } catch (const Error& e) {
-            fmt::print(stderr, "lucerna render: {}\n", e.what());
-            return exit_code::scene;
-        }
         std::unique_ptr<Preview> preview;
         try {
             preview = preview_of(request);
@@ -280,6 +235,14 @@ public:
         } catch (const Error& e) {
             fmt::print(stderr, "lucerna render: --preview {}: {}\n", request.preview, e.what());
             return exit_code::usage;
+        }
+        if (request.part) return render_part(request, preview.get());
+        std::optional<PictureView> view;
+        try {
+            view = picture_view(request.view, request.exposure);
+        } catch (const Error& e) {
+            fmt::print(stderr, "lucerna render: {}\n", e.what());
+            return exit_code::scene;
         }
         return Rendering(request, shell_text("render", words), std::move(*view), preview.get())
             .run();

@@ -91,10 +91,6 @@ std::string contradiction_of_part(const Request& request) {
         return "--part keeps a checkpoint of its own and goes on from it; leave out --checkpoint "
                "and --resume";
     }
-    if (!request.preview.empty() || request.json_progress) {
-        return "--part writes a state and shows no picture; leave out --preview and "
-               "--json-progress";
-    }
     if (request.budget.error) {
         return "--part cannot know the error of the whole picture; leave out --error";
     }

@@ -311,6 +311,23 @@ function makeOracle() {
     element("oracle-effort").textContent = `${oracle.samples} samples on each of ${oracle.lights} lights.${tested}`;
 }
 
+function makeMachines() {
+    if (!report.by_parts) return;
+    element("machines").hidden = false;
+    const table = element("machines-table"), head = create("tr");
+    for (const text of ["round", "node", "speed", "other programs", "threads", "processor", "system"]) {
+        head.append(create("th", text));
+    }
+    table.append(head);
+    for (const r of report.rounds) {
+        const row = create("tr");
+        row.append(cell(String(r.round)), cell(r.node), cell("×" + number(r.relative_speed, 3)),
+                   cell(number(100 * r.other_load, 2) + " %"), cell(`${r.threads} of ${r.cores} processors`),
+                   create("td", r.processor), create("td", r.system));
+        table.append(row);
+    }
+}
+
 function writeProvenance() {
     const {reference} = report, list = element("provenance");
     const noise = reference.noise_known ? `its own relMSE ${number(reference.relative_mse.value)}` :
@@ -330,4 +347,5 @@ writeHeader();
 makeChart();
 makeTable();
 makeOracle();
+makeMachines();
 writeProvenance();
