@@ -58,14 +58,17 @@ const std::map<std::string, std::vector<std::string>> needs = {
     {"bsdf/twosided", {"bsdf=plastic"}},
     {"emitter/envmap", {"filename=grey.png"}},
     {"sensor/thinlens", {"aperture_radius=0.1", "focus_distance=3"}},
+    {"shape/bsplinecurve", {}},
     {"shape/city", {"part=walls", "size=1"}},
     {"shape/instance", {}},
+    {"shape/linearcurve", {}},
     {"shape/merge", {}},
     {"shape/obj", {"filename=roof.obj"}},
     {"shape/ply", {}},  // as the next one: a reader of files of another format for the same meshes
     {"shape/serialized", {}},
     {"shape/shapegroup", {}},
     {"texture/bitmap", {"filename=grey.png"}},
+    {"texture/mesh_attribute", {"name=vertex_color"}},
     {"texture/rawconstant", {"value=0.3"}},
 };
 

@@ -136,6 +136,12 @@ MadeSubject Subject::make_shape(bool tangents) {
         throw Error(
             fmt::format("shape \"{}\" has no surface of its own: check the shapes in it", type()));
     }
+    if (std::holds_alternative<CurveGeometry>(geometry)) {
+        throw Error(
+            fmt::format("shape \"{}\" is met from outside only: what surfaces promise does "
+                        "not hold for curves",
+                        type()));
+    }
     made.scene = std::make_unique<Scene>(std::move(parts));
     return made;
 }
