@@ -62,7 +62,7 @@ public:
         Color here(0);
         for (std::size_t i = 0; i < at.size(); ++i) {
             if (!wanted[i]) continue;
-            if (at[i] != last) here = reflectance_(at[i]->uv);
+            if (at[i] != last) here = reflectance_(*at[i]);
             last = at[i];
             reflectance.set(i, here);
         }
