@@ -20,6 +20,7 @@ void require_affine(const Params& params, const Transform& transform) {
 /// What an emitter is that has no BSDF: it reflects nothing.
 class BlackSurface final : public BSDF {
 public:
+    BlackSurface() { BSDFBatch::attach(*this); }  // no plugin: `describe` has not seen it
     Lobe lobes() const override { return Lobe::none; }
     BSDFValue evaluate(const Interaction&, Vector3, Vector3, TransportMode) const override {
         return {};
