@@ -87,6 +87,13 @@ class Job:
         return processes(" --part ", self.folder)
 
 
+def tell(counts):
+    """A line for each hundred kills."""
+    total = sum(counts.values())
+    if total and total % 100 == 0:
+        print(f"{total} kills", file=sys.stderr, flush=True)
+
+
 def kill_local(options, folder, counts):
     job = Job(options, folder)
     words = [options.lucerna, "farm", folder, "--local", str(options.processes), "-q"]
@@ -101,6 +108,7 @@ def kill_local(options, folder, counts):
                        "script": processes("bash part.sh", folder)}[what]
             if victims and send(random.choice(victims), getattr(signal, name)):
                 counts[kind] += 1
+                tell(counts)
         errors = farm.communicate()[1]
         if farm.returncode not in (0, 130, -signal.SIGKILL, -signal.SIGTERM, 1):
             sys.exit(f"farm ended with {farm.returncode}: {errors}")

@@ -89,8 +89,9 @@ TEST_F(PreviewTest, a_part_shows_itself) {
     const std::vector<float> seen = window(image, 0, 0, 32, 24), kept = rgb_of_file("2.exr");
     for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_NEAR(seen[i], kept[i], 1e-3f * kept[i]);
 
-    const nlohmann::json last =
-        nlohmann::json::parse(render(with({"-o", "3.exr", "--json-progress"})));
+    std::string lines = render(with({"-o", "3.exr", "--json-progress"}));
+    lines.pop_back();
+    const nlohmann::json last = nlohmann::json::parse(lines.substr(lines.rfind('\n') + 1));
     EXPECT_EQ(last.at("state"), "finished");
     EXPECT_EQ(last.at("file"), "3.exr");
     EXPECT_EQ(last.at("samples"), "2-3");
