@@ -12,6 +12,7 @@
 
 namespace lucerna {
 
+class Medium;
 class Shape;
 
 /// Names one flat primitive of the scene, so that a ray that starts on it cannot hit it again.
@@ -35,7 +36,8 @@ struct Ray {
 /// Sides of a surface to which light can go from a receiver.
 enum class Sides : std::uint8_t { front = 1, back = 2, both = 3 };
 
-/// A point that receives light: all that emitters and light samplers may know of it.
+/// A point that receives light: all that emitters and light samplers may know of it. In a medium it
+/// has no normal: n and ns are zero, and light arrives at both sides.
 struct Receiver {
     Vector3 p{0};
     Vector3 n{0, 0, 1};   ///< geometric normal, on the side that sees the viewer
@@ -43,6 +45,18 @@ struct Receiver {
     float error = 0;      ///< bound of the absolute error of each coordinate of p
     Sides sides = Sides::front;
     PrimitiveId source{};
+    const Medium* medium = nullptr;  ///< through which light arrives, if the integrator knows media
+
+    /// A point in a medium, on a ray from `o` along `d` (unit) at distance t.
+    static Receiver in_medium(const Medium& medium, Vector3 o, Vector3 d, float t) {
+        return {.p = o + t * d,
+                .n = Vector3(0),
+                .ns = Vector3(0),
+                .error = gamma(3) * (max_component(absolute(o)) + t),
+                .sides = Sides::both,
+                .medium = &medium};
+    }
+    bool has_normal() const { return n != Vector3(0); }
 };
 
 /// A point where a ray met a surface.

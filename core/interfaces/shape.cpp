@@ -42,12 +42,14 @@ const BSDF& black_surface() {
 
 Shape::Shape(const Params& params) {
     world_from_object_ = params.transform("to_world", "from the shape's own space to the world");
-    const bool black =
-        !params.child_names(Emitter::kind).empty() && params.child_names(BSDF::kind).empty();
+    media_.interior = params.child<Medium>("interior", "fills the shape");
+    media_.exterior = params.child<Medium>("exterior", "is around the shape");
+    const bool black = !media_ && !params.child_names(Emitter::kind).empty() &&
+                       params.child_names(BSDF::kind).empty();
     bsdf_ = black ? &black_surface()
-                  : &params.nested_or<BSDF>("diffuse",
-                                            "how the surface scatters light; an emitter that has "
-                                            "none is black");
+                  : &params.nested_or<BSDF>(media_ ? "null" : "diffuse",
+                                            "how the surface scatters light; if there is none, a "
+                                            "shape with media is \"null\", an emitter is black");
     needs_tangents_ = bsdf_->uses_tangents();
     emitter_ = params.nested<Emitter>("makes the surface a light: an area emitter");
     needs_sample_uv_ = !emitter_ || emitter_->uses_uv();
