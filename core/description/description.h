@@ -19,9 +19,9 @@
 namespace lucerna {
 
 /// What can stand in a scene and is made by a plugin: the element names and the plugin kinds.
-inline constexpr std::array<std::string_view, 10> object_kinds = {
-    "integrator", "light_sampler", "shape", "bsdf",    "emitter",
-    "texture",    "sensor",        "film",  "sampler", "rfilter"};
+inline constexpr std::array<std::string_view, 13> object_kinds = {
+    "integrator", "light_sampler", "shape",  "bsdf", "emitter", "texture", "medium",
+    "phase",      "volume",        "sensor", "film", "sampler", "rfilter"};
 
 inline bool is_object_kind(std::string_view name) {
     return std::find(object_kinds.begin(), object_kinds.end(), name) != object_kinds.end();

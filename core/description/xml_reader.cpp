@@ -187,9 +187,6 @@ private:
     }
 
     void report_unknown(const Tag& tag) {
-        if (tag.name == "medium" || tag.name == "phase" || tag.name == "volume") {
-            return diagnostics_.error(tag.where(), "media are not supported by this version");
-        }
         if (PropertyReader::is_transform_step(tag.name)) {
             return diagnostics_.error(tag.where(),
                                       fmt::format("<{}> belongs into a <transform>", tag.name));

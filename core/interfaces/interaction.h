@@ -35,7 +35,8 @@ struct Ray {
 /// Sides of a surface to which light can go from a receiver.
 enum class Sides : std::uint8_t { front = 1, back = 2, both = 3 };
 
-/// A point that receives light: all that emitters and light samplers may know of it.
+/// A point that receives light: all that emitters and light samplers may know of it. In a medium it
+/// has no normal: n and ns are zero, and light arrives at both sides.
 struct Receiver {
     Vector3 p{0};
     Vector3 n{0, 0, 1};   ///< geometric normal, on the side that sees the viewer
@@ -43,6 +44,14 @@ struct Receiver {
     float error = 0;      ///< bound of the absolute error of each coordinate of p
     Sides sides = Sides::front;
     PrimitiveId source{};
+
+    /// A point in a medium, on a ray from `o` along `d` (unit) at distance t.
+    static Receiver in_medium(Vector3 o, Vector3 d, float t) {
+        Receiver at{.p = o + t * d, .n = Vector3(0), .ns = Vector3(0), .sides = Sides::both};
+        at.error = gamma(3) * (max_component(absolute(o)) + t);
+        return at;
+    }
+    bool has_normal() const { return n != Vector3(0); }
 };
 
 /// A point where a ray met a surface.

@@ -21,11 +21,13 @@ struct SensorConnection {
     float importance = 0;  ///< image of a unit of area at the point, facing `wi` [pixels²/m²]
 };
 
+class Medium;
+
 /// Camera space: looks along +z, y up, x to the left (Mitsuba's convention).
 class Sensor : public Object {
 public:
     static constexpr const char* kind = "sensor";
-    /// Reads what all sensors have: `to_world`, nested film and sampler.
+    /// Reads what all sensors have: `to_world`, nested film, sampler and medium.
     explicit Sensor(const Params& params);
     ~Sensor() override;
 
@@ -45,6 +47,8 @@ public:
 
     const Film& film() const { return *film_; }
     const Sampler& sampler() const { return *sampler_; }
+    /// In which it lies; null is empty space.
+    const Medium* medium() const { return medium_; }
 
 protected:
     const Transform& world_from_camera() const { return world_from_camera_; }
@@ -53,6 +57,7 @@ private:
     Transform world_from_camera_;
     const Film* film_;
     const Sampler* sampler_;
+    const Medium* medium_;
 };
 
 }  // namespace lucerna

@@ -21,7 +21,10 @@ void require_affine(const Params& params, const Transform& transform) {
 
 Shape::Shape(const Params& params) {
     world_from_object_ = params.transform("to_world", "from the shape's own space to the world");
-    bsdf_ = &params.nested_or<BSDF>("diffuse", "how the surface scatters light");
+    media_.interior = params.child<Medium>("interior", "fills the shape");
+    media_.exterior = params.child<Medium>("exterior", "is around the shape");
+    bsdf_ = &params.nested_or<BSDF>(media_ ? "null" : "diffuse",
+                                    "how the surface scatters light; \"null\" if it has media");
     needs_tangents_ = bsdf_->uses_tangents();
     emitter_ = params.nested<Emitter>("makes the surface a light: an area emitter");
     needs_sample_uv_ = !emitter_ || emitter_->uses_uv();

@@ -8,6 +8,7 @@
 
 #include "core/interfaces/geometry.h"
 #include "core/interfaces/lanes.h"
+#include "core/interfaces/medium.h"
 #include "core/math/solid_angle.h"
 #include "core/plugin/plugin.h"
 
@@ -21,7 +22,7 @@ class Emitter;
 class Shape : public Object {
 public:
     static constexpr const char* kind = "shape";
-    /// Reads what all shapes have: `to_world`, `flip_normals`, nested BSDF and emitter.
+    /// Reads what all shapes have: `to_world`, `flip_normals`, nested BSDF, emitter and media.
     explicit Shape(const Params& params);
     ~Shape() override;
 
@@ -62,6 +63,8 @@ public:
     /// Null only for shapes that are never hit themselves (shapegroup, instance).
     const BSDF* bsdf() const { return bsdf_; }
     const Emitter* emitter() const { return emitter_; }
+    /// What fills the space on both of its sides.
+    const MediumInterface& media() const { return media_; }
     /// Index of the light of primitive 0 in the scene's table, if the shape emits.
     std::uint32_t first_light() const { return first_light_; }
     /// Names a primitive of a shape that emits, for rays that start or end on it.
@@ -100,6 +103,7 @@ private:
     bool needs_tangents_ = false;
     bool needs_sample_uv_ = true;
     Transform world_from_object_;
+    MediumInterface media_;
 };
 
 }  // namespace lucerna

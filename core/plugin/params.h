@@ -32,6 +32,7 @@ struct Property;
 struct Child;
 struct ColorInput;
 struct FloatInput;
+struct VolumeInput;
 
 /// Closed interval of accepted values, open at an end if so marked.
 struct Range {
@@ -102,6 +103,9 @@ public:
     /// A number that may be a texture (the luminance of its colour).
     FloatInput float_input(std::string_view name, float default_value, Range range,
                            std::string_view doc) const;
+    /// A colour that may vary in space: an rgb, a float, a spectrum or a nested `<volume>`.
+    VolumeInput volume_input(std::string_view name, Color default_value, Range range,
+                             std::string_view doc) const;
 
     /// The nested object of kind T (`T::kind`) with this name. Null if there is none.
     template <typename T>

@@ -25,9 +25,11 @@ constexpr std::array kinds{
     Kind{"integrator", "integrators", "path"}, Kind{"light_sampler", "light_samplers", "cache"},
     Kind{"shape", "shapes", "sphere"},         Kind{"bsdf", "bsdfs", "diffuse"},
     Kind{"emitter", "emitters", "area"},       Kind{"texture", "textures", "checkerboard"},
-    Kind{"sensor", "sensors", "perspective"},  Kind{"sampler", "samplers", "sobol"},
-    Kind{"film", "films", "hdrfilm"},          Kind{"rfilter", "rfilters", "gaussian"},
-    Kind{"command", "commands", "render"},     Kind{"preview", "previews", "tev"},
+    Kind{"medium", "media", "homogeneous"},    Kind{"phase", "phases", "isotropic"},
+    Kind{"volume", "volumes", "constvolume"},  Kind{"sensor", "sensors", "perspective"},
+    Kind{"sampler", "samplers", "sobol"},      Kind{"film", "films", "hdrfilm"},
+    Kind{"rfilter", "rfilters", "gaussian"},   Kind{"command", "commands", "render"},
+    Kind{"preview", "previews", "tev"},
 };
 
 struct Alias {
