@@ -38,8 +38,7 @@ std::vector<std::uint8_t> vol_bytes(const VolHeader& header, const std::vector<T
     return bytes;
 }
 
-inline void write_bytes(const std::filesystem::path& path,
-                        const std::vector<std::uint8_t>& bytes) {
+inline void write_bytes(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()),
                static_cast<std::streamsize>(bytes.size()));

@@ -125,16 +125,15 @@ inline float BlockMaxima::largest(const VoxelGrid& grid, const VoxelBox& box) co
     return largest;
 }
 
-inline void BlockMaxima::refuse(const VoxelGrid& grid, std::size_t place,
-                                const std::string& name) {
+inline void BlockMaxima::refuse(const VoxelGrid& grid, std::size_t place, const std::string& name) {
     const auto channels = static_cast<std::size_t>(grid.channels());
     const std::size_t voxel = place / channels;
     const auto nx = static_cast<std::size_t>(grid.resolution().x);
     const auto ny = static_cast<std::size_t>(grid.resolution().y);
-    throw Error(fmt::format("{}: voxel ({}, {}, {}) is {:g}; a volume holds finite numbers of at "
-                            "least 0",
-                            name, voxel % nx, voxel / nx % ny, voxel / nx / ny,
-                            grid.number(place)));
+    throw Error(
+        fmt::format("{}: voxel ({}, {}, {}) is {:g}; a volume holds finite numbers of at "
+                    "least 0",
+                    name, voxel % nx, voxel / nx % ny, voxel / nx / ny, grid.number(place)));
 }
 
 }  // namespace lucerna

@@ -13,7 +13,8 @@ class ConstVolume final : public Volume {
 public:
     explicit ConstVolume(const Params& params)
         : value_(params.rgb("value", Color(1), non_negative, "a colour, or the density")),
-          bounds_(volume_transform(params, "from the unit cube, where it ends, to the world").bounds({.min = Vector3(0), .max = Vector3(1)})) {}
+          bounds_(volume_transform(params, "from the unit cube, where it ends, to the world")
+                      .bounds({.min = Vector3(0), .max = Vector3(1)})) {}
 
     Color color(Vector3) const override { return value_; }
     float real(Vector3) const override { return luminance(value_); }

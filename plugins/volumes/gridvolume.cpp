@@ -17,10 +17,10 @@ class GridVolume final : public Volume {
 public:
     explicit GridVolume(const Params& params) {
         const std::filesystem::path path = params.file("filename", "the volume file");
-        filter_ = params.choice(
-            "filter_type", GridFilter::trilinear,
-            {{"trilinear", GridFilter::trilinear}, {"nearest", GridFilter::nearest}},
-            "how voxels are interpolated");
+        filter_ =
+            params.choice("filter_type", GridFilter::trilinear,
+                          {{"trilinear", GridFilter::trilinear}, {"nearest", GridFilter::nearest}},
+                          "how voxels are interpolated");
         wrap_ = params.choice("wrap_mode", GridWrap::clamp,
                               {{"clamp", GridWrap::clamp},
                                {"repeat", GridWrap::repeat},
@@ -62,11 +62,11 @@ private:
         const bool is_box = is_finite(box.min) && is_finite(box.max) && extent.x > 0 &&
                             extent.y > 0 && extent.z > 0;
         if (!is_box) {
-            throw Error(fmt::format("{}: its box from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) is "
-                                    "empty or not finite; leave \"use_grid_bbox\" out and place "
-                                    "the grid with \"to_world\"",
-                                    name, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y,
-                                    box.max.z));
+            throw Error(fmt::format(
+                "{}: its box from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) is "
+                "empty or not finite; leave \"use_grid_bbox\" out and place "
+                "the grid with \"to_world\"",
+                name, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
         }
         return Transform::translate(min) * Transform::scale(extent);
     }

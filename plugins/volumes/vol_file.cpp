@@ -52,8 +52,8 @@ public:
         const auto& b = header_.bounds;
         file.bounds = {.min = {b[0], b[1], b[2]}, .max = {b[3], b[4], b[5]}};
         if (const std::uint64_t rest = size_ - header_size - needed_; rest > 0) {
-            file.warnings.push_back(fmt::format(
-                "{}: {} bytes after its {} numbers are not read", name_, rest, layout()));
+            file.warnings.push_back(fmt::format("{}: {} bytes after its {} voxels are not read",
+                                                name_, rest, layout()));
         }
         return file;
     }
@@ -84,9 +84,10 @@ private:
             case 3:
                 return VoxelGrid::Encoding::uint8;
             default:
-                fail(fmt::format("encoding {} cannot be read, only 1 (float32), 2 (float16) and 3 "
-                                 "(uint8)",
-                                 header_.encoding));
+                fail(
+                    fmt::format("encoding {} cannot be read, only 1 (float32), 2 (float16) and 3 "
+                                "(uint8)",
+                                header_.encoding));
         }
     }
 
@@ -96,23 +97,25 @@ private:
         if (header_.channels != 1 && header_.channels != 3) {
             fail(fmt::format("it has {} channels; a volume has 1 or 3", header_.channels));
         }
-        std::uint64_t possible = (size_ - header_size) / bytes_each /
-                                 static_cast<std::uint64_t>(header_.channels);
+        std::uint64_t possible =
+            (size_ - header_size) / bytes_each / static_cast<std::uint64_t>(header_.channels);
         needed_ = bytes_each * static_cast<std::uint64_t>(header_.channels);
         for (const std::int32_t n : header_.resolution) {
             if (n <= 0) {
-                fail(fmt::format("a resolution of {} is impossible: each number of voxels must be "
-                                 "at least 1",
-                                 layout()));
+                fail(
+                    fmt::format("a resolution of {} is impossible: each number of voxels must be "
+                                "at least 1",
+                                layout()));
             }
             possible /= static_cast<std::uint64_t>(n);
             needed_ *= static_cast<std::uint64_t>(n);
         }
         if (possible == 0) {
-            fail(fmt::format("the file ends too early: {} voxels of {} bytes do not fit into the "
-                             "{} bytes after its header",
-                             layout(), bytes_each * static_cast<std::uint64_t>(header_.channels),
-                             size_ - header_size));
+            fail(
+                fmt::format("the file ends too early: {} voxels of {} bytes do not fit into the "
+                            "{} bytes after its header",
+                            layout(), bytes_each * static_cast<std::uint64_t>(header_.channels),
+                            size_ - header_size));
         }
         const auto pages = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES));
         if (needed_ / static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) >= pages) fail_memory();

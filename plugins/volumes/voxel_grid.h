@@ -39,9 +39,9 @@ public:
 
     /// The place of the first channel of a voxel, for `number`.
     std::size_t place(Vector3i voxel) const {
-        const std::size_t row = static_cast<std::size_t>(voxel.z) *
-                                    static_cast<std::size_t>(resolution_.y) +
-                                static_cast<std::size_t>(voxel.y);
+        const std::size_t row =
+            static_cast<std::size_t>(voxel.z) * static_cast<std::size_t>(resolution_.y) +
+            static_cast<std::size_t>(voxel.y);
         return row * row_stride() +
                static_cast<std::size_t>(voxel.x) * static_cast<std::size_t>(channels_);
     }
@@ -88,8 +88,8 @@ private:
         const int mantissa = half & 0x3ff, exponent = half >> 10 & 0x1f;
         const float sign = half & 0x8000 ? -1.0f : 1.0f;
         if (exponent == 0) return sign * static_cast<float>(mantissa) * 0x1p-24f;
-        if (exponent == 31) return mantissa ? std::numeric_limits<float>::quiet_NaN()
-                                            : sign * infinity;
+        if (exponent == 31)
+            return mantissa ? std::numeric_limits<float>::quiet_NaN() : sign * infinity;
         const auto bits = static_cast<std::uint32_t>((exponent + 112) << 23 | mantissa << 13);
         float magnitude;
         std::memcpy(&magnitude, &bits, sizeof bits);

@@ -63,8 +63,8 @@ TEST(VolFile, bytes_stay_bytes_and_span_zero_to_one) {
 /// The value of binary16 by its definition (IEEE 754), for those that are finite.
 double half_value(int half) {
     const int exponent = half >> 10 & 31, mantissa = half & 1023;
-    const double magnitude = exponent == 0 ? std::ldexp(mantissa, -24)
-                                           : std::ldexp(1024 + mantissa, exponent - 25);
+    const double magnitude =
+        exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
     return half & 0x8000 ? -magnitude : magnitude;
 }
 
@@ -91,8 +91,7 @@ TEST(VolFile, L15_what_is_wrong_is_named) {
               "a.vol: this is not a volume of Mitsuba, which begins with \"VOL\"");
     EXPECT_EQ(refusal({'V', 'O', 'L', 3}),
               "a.vol: the file ends within its header, after 4 of 48 bytes");
-    EXPECT_EQ(message({.version = 2}),
-              "a.vol: version 2 of the format cannot be read, only 3");
+    EXPECT_EQ(message({.version = 2}), "a.vol: version 2 of the format cannot be read, only 3");
     EXPECT_EQ(message({.encoding = 4}),
               "a.vol: encoding 4 cannot be read, only 1 (float32), 2 (float16) and 3 (uint8)");
     EXPECT_EQ(message({.channels = 6}), "a.vol: it has 6 channels; a volume has 1 or 3");
