@@ -54,6 +54,9 @@ public:
     /// samples with the same index in all pixels of a block are estimated together.
     virtual int block_size() const { return 1; }
 
+    /// Media scatter and absorb the light that it estimates; otherwise they are not there.
+    virtual bool renders_media() const { return false; }
+
     /// Lights are sampled at what the camera sees, itself or in mirrors, and after up to this many
     /// bounces off other surfaces; -1: nowhere. Light samplers prepare for no more.
     virtual int light_bounces() const { return std::numeric_limits<int>::max(); }

@@ -12,6 +12,7 @@
 
 namespace lucerna {
 
+class Medium;
 class Shape;
 
 /// Names one flat primitive of the scene, so that a ray that starts on it cannot hit it again.
@@ -44,12 +45,16 @@ struct Receiver {
     float error = 0;      ///< bound of the absolute error of each coordinate of p
     Sides sides = Sides::front;
     PrimitiveId source{};
+    const Medium* medium = nullptr;  ///< through which light arrives, if the integrator knows media
 
     /// A point in a medium, on a ray from `o` along `d` (unit) at distance t.
-    static Receiver in_medium(Vector3 o, Vector3 d, float t) {
-        Receiver at{.p = o + t * d, .n = Vector3(0), .ns = Vector3(0), .sides = Sides::both};
-        at.error = gamma(3) * (max_component(absolute(o)) + t);
-        return at;
+    static Receiver in_medium(const Medium& medium, Vector3 o, Vector3 d, float t) {
+        return {.p = o + t * d,
+                .n = Vector3(0),
+                .ns = Vector3(0),
+                .error = gamma(3) * (max_component(absolute(o)) + t),
+                .sides = Sides::both,
+                .medium = &medium};
     }
     bool has_normal() const { return n != Vector3(0); }
 };

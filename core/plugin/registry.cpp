@@ -40,6 +40,7 @@ struct Alias {
 constexpr std::array aliases{
     Alias{"film", "ldrfilm", "hdrfilm"},
     Alias{"integrator", "photonmapper", "photonmap"},
+    Alias{"integrator", "volpathmis", "volpath"},
     Alias{"sampler", "ldsampler", "sobol"},
 };
 

@@ -253,6 +253,22 @@ std::optional<Vector3d> far_center(const std::vector<Shape*>& shapes) {
     return Vector3d(center);
 }
 
+/// Once, at the integrator.
+void warn_of_ignored_media(const Scene& scene, const Description& description,
+                           Diagnostics& diagnostics) {
+    if (!scene.contains_media() || scene.has_media()) return;
+    Location where = description.root->where;
+    std::string_view type = default_plugin(Integrator::kind);
+    for (const Child& child : description.root->children) {
+        if (child.element->kind != Integrator::kind) continue;
+        where = child.where;
+        type = child.element->type;
+    }
+    diagnostics.warning(where, fmt::format("the media of this scene are left out: \"{}\" renders "
+                                           "none; \"volpath\" does",
+                                           type));
+}
+
 }  // namespace
 
 std::unique_ptr<Scene> build_scene(const Description& description, Registry& registry,
@@ -279,6 +295,7 @@ std::unique_ptr<Scene> build_scene(const Description& description, Registry& reg
         diagnostics.error(all->places[e.object()], e.what());
     }
     diagnostics.throw_if_errors();
+    warn_of_ignored_media(*scene, description, diagnostics);
     return scene;
 }
 

@@ -4,6 +4,7 @@
 #include "core/interfaces/light_sampler.h"
 #include "core/math/rounding.h"
 #include "core/scene/accelerator.h"
+#include "core/scene/medium_tracking.h"
 #include "core/scene/preparation_error.h"
 #include "core/scene/ray_statistics.h"
 #include "core/scene/scatter.h"
@@ -69,6 +70,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     accelerator_ = std::make_unique<Accelerator>(parts_.shapes, parts_.threads);
     collect_lights();
     find_null_surfaces();
+    find_media();
     // Emitters first: light samplers ask them for their power.
     const auto prepare_if = [&](bool emitters) {
         for (std::size_t i = 0; i < parts_.objects.size(); ++i) {
@@ -118,6 +120,15 @@ void Scene::find_null_surfaces() {
             has_null_surfaces_ = true;
         }
     }
+}
+
+void Scene::find_media() {
+    contains_media_ = parts_.sensor && parts_.sensor->medium();
+    for (const auto& object : parts_.objects) {
+        const auto* shape = dynamic_cast<const Shape*>(object.get());
+        contains_media_ = contains_media_ || (shape && shape->media());
+    }
+    has_media_ = contains_media_ && parts_.integrator && parts_.integrator->renders_media();
 }
 
 /// False if the hit is to be passed over: it is on the primitive that the ray starts on, or its
@@ -252,8 +263,29 @@ Color Scene::transmittance(const Receiver& from, const LightSample& to) const {
     return transmittance(ray, to.target, false);
 }
 
-/// Along a ray on which something lies, surface by surface; `target` does not block it.
-Color Scene::transmittance(Ray ray, PrimitiveId target, bool past_emitters) const {
+Color Scene::transmittance(const Receiver& from, const LightSample& to, Rng& rng) const {
+    if (!has_media_) return transmittance(from, to);
+    const bool blocked = occluded(from, to);
+    if (blocked && !has_null_surfaces_) return Color(0);
+    Ray ray = shadow_ray(from, to);
+    const float length = glm::length(ray.d);
+    ray.d /= length;
+    ray.tmax *= length;
+    std::vector<MediumSegment> media{{.medium = from.medium, .o = ray.o, .d = ray.d}};
+    media.front().length = ray.tmax;
+    Color result(1);
+    if (blocked) result = transmittance(ray, to.target, false, &media);
+    for (const MediumSegment& segment : media) {
+        if (is_black(result)) break;
+        result *= lucerna::transmittance(segment, rng);
+    }
+    return result;
+}
+
+/// Along a ray on which something lies, surface by surface; `target` does not block it. The first
+/// of `media` tells in which medium it starts; gets the parts of the ray between the surfaces.
+Color Scene::transmittance(Ray ray, PrimitiveId target, bool past_emitters,
+                           std::vector<MediumSegment>* media) const {
     const Vector3 end = ray.o + ray.tmax * ray.d;
     Color result(1);
     while (is_traceable(ray)) {
@@ -266,6 +298,7 @@ Color Scene::transmittance(Ray ray, PrimitiveId target, bool past_emitters) cons
             result *= straight_transmittance(*at, -ray.d);
             if (is_black(result)) return result;
         }
+        if (media) media->back().length = at->t;
         Ray next = at->spawn_ray(ray.d);
         if (std::isfinite(ray.tmax)) {
             // Aimed anew, since the origin has been moved off the surface: a ray that grazes a
@@ -273,6 +306,10 @@ Color Scene::transmittance(Ray ray, PrimitiveId target, bool past_emitters) cons
             const Vector3 rest = end - next.o;
             next.tmax = glm::dot(rest, ray.d) > 0 ? glm::length(rest) : 0;
             if (next.tmax > 0) next.d = rest / next.tmax;
+        }
+        if (media) {
+            const Medium* const medium = medium_beyond(*at, ray.d, media->back().medium);
+            media->push_back({medium, next.o, next.d, next.tmax});
         }
         ray = next;
     }

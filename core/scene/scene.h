@@ -17,6 +17,8 @@
 namespace lucerna {
 
 class Accelerator;
+class Rng;
+struct MediumSegment;
 struct SceneHit;
 class LightSampler;
 
@@ -56,6 +58,13 @@ public:
     Color transmittance(const Ray& ray, bool past_emitters = false) const;
     /// The same between the receiver and the sampled point of a light.
     Color transmittance(const Receiver& from, const LightSample& to) const;
+    /// The same through media, too, of which the first is `from.medium`: an unbiased estimate.
+    Color transmittance(const Receiver& from, const LightSample& to, Rng& rng) const;
+
+    /// Whether there are media and the integrator renders them.
+    bool has_media() const { return has_media_; }
+    /// Whether there are media at all.
+    bool contains_media() const { return contains_media_; }
 
     /// All lights: lights().size() may be millions.
     std::span<const Light> lights() const { return lights_; }
@@ -89,7 +98,9 @@ public:
 private:
     void collect_lights();
     void find_null_surfaces();
-    Color transmittance(Ray ray, PrimitiveId target, bool past_emitters) const;
+    void find_media();
+    Color transmittance(Ray ray, PrimitiveId target, bool past_emitters,
+                        std::vector<MediumSegment>* media = nullptr) const;
     bool fill(const Ray& ray, const SceneHit& met, Interaction& at) const;
     std::optional<Interaction> intersect_from(const Ray& ray, float tmin, int attempt) const;
 
@@ -100,6 +111,7 @@ private:
     std::vector<std::uint32_t> infinite_lights_;
     const LightSampler* light_sampler_ = nullptr;
     bool has_null_surfaces_ = false;  ///< some let light straight through
+    bool has_media_ = false, contains_media_ = false;
 };
 
 }  // namespace lucerna

@@ -3,11 +3,20 @@
 #pragma once
 
 #include "core/interfaces/emitter.h"
+#include "core/interfaces/medium.h"
 
 namespace lucerna {
 
 class LightPoint : public Emitter {
 public:
+    explicit LightPoint(const Params& params) {
+        if (params.nested<Medium>("in which it lies; follows from the surfaces around it")) {
+            params.warning("medium",
+                           "<medium> has no effect here: light is followed from the points that it "
+                           "reaches, whose medium is known");
+        }
+    }
+
     bool delta() const override { return true; }
 
     std::optional<LightSample> sample_li(const Light&, const Receiver& from,

@@ -13,7 +13,8 @@ namespace {
 class PointEmitter final : public LightPoint {
 public:
     explicit PointEmitter(const Params& params)
-        : intensity_(params.rgb("intensity", Color(1), non_negative, "radiant intensity [W/sr]")) {
+        : LightPoint(params),
+          intensity_(params.rgb("intensity", Color(1), non_negative, "radiant intensity [W/sr]")) {
         const Vector3d position = params.point("position", Vector3d(0), "where it is");
         const Transform to_world =
             params.transform("to_world", "instead of position: the point 0 is moved by it");

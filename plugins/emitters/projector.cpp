@@ -16,7 +16,8 @@ namespace {
 class Projector final : public LightPoint {
 public:
     explicit Projector(const Params& params)
-        : picture_(params.color_input("irradiance", Color(1), non_negative, "the picture")),
+        : LightPoint(params),
+          picture_(params.color_input("irradiance", Color(1), non_negative, "the picture")),
           scale_(params.real("scale", 1, non_negative, "factor of the picture")) {
         const double aspect =
             picture_.texture ? static_cast<double>(picture_.texture->aspect()) : 1.0;

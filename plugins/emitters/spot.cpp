@@ -28,7 +28,8 @@ double mean_one_minus_cos(double b, double c) {
 class SpotEmitter final : public LightPoint {
 public:
     explicit SpotEmitter(const Params& params)
-        : intensity_(params.rgb("intensity", Color(1), non_negative,
+        : LightPoint(params),
+          intensity_(params.rgb("intensity", Color(1), non_negative,
                                 "radiant intensity along the axis [W/sr]")) {
         const double cutoff =
             static_cast<double>(params.real("cutoff_angle", 20, {.min = 0, .max = 180},

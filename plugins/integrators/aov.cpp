@@ -70,6 +70,7 @@ public:
         }
     }
 
+    bool renders_media() const override { return image_ && image_->renders_media(); }
     int light_bounces() const override { return image_ ? image_->light_bounces() : -1; }
     std::vector<std::string> layers() const override {
         std::vector<std::string> names = image_ ? image_->layers() : std::vector<std::string>();

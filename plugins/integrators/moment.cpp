@@ -39,6 +39,10 @@ public:
         }
     }
 
+    bool renders_media() const override {
+        return std::any_of(integrators_.begin(), integrators_.end(),
+                           [](const Measured& m) { return m.integrator->renders_media(); });
+    }
     int light_bounces() const override {
         int most = -1;
         for (const Measured& m : integrators_) most = std::max(most, m.integrator->light_bounces());

@@ -155,7 +155,9 @@ float BVHLightSampler::importance(const Node& node, const Receiver& at) const {
 
     const float cos_i = std::min(std::abs(glm::dot(w, at.ns)), 1.0f);
     const float cos_incident =
-        inside ? 1.0f : cos_of_difference(safe_sqrt(1 - sqr(cos_i)), cos_i, sin_b, cos_b);
+        inside || !at.has_normal()
+            ? 1.0f
+            : cos_of_difference(safe_sqrt(1 - sqr(cos_i)), cos_i, sin_b, cos_b);
     // Grazing light is weak, but rounding must not make it impossible.
     return node.power * std::max(cos_emitted, 1e-5f) * std::max(cos_incident, 1e-5f) /
            std::max({distance2, node.radius, least_distance2_});

@@ -95,8 +95,10 @@ private:
         return key;
     }
 
-    /// The one of six axes that is nearest to the normal, or 6 if light arrives from both sides.
+    /// The one of six axes that is nearest to the normal, 6 if light arrives from both sides, or 7 in
+    /// a medium.
     static std::uint64_t face(const Receiver& at) {
+        if (!at.has_normal()) return 7;
         if (at.sides == Sides::both) return 6;
         const Vector3 a = absolute(at.n);
         const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;

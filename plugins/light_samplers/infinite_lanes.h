@@ -37,8 +37,9 @@ struct alignas(32) InfiniteLanes {
     const float extent = abs_n.x * l.ex[i] + abs_n.y * l.ey[i] + abs_n.z * l.ez[i];
     const float dn = sided(x * at.n.x + y * at.n.y + z * at.n.z, at.two_sided);
     const float dns = sided(x * at.ns.x + y * at.ns.y + z * at.ns.z, at.two_sided);
-    const float above = dn + extent + at.spread + 1e-5f;
-    const float value = l.irradiance[i] * std::max(dns + at.spread, 0.25f * above);
+    const float spread = std::min(at.spread, 1.0f);
+    const float above = dn + extent + spread + 1e-5f;
+    const float value = l.irradiance[i] * std::max(dns + spread, 0.25f * above);
     return above > 0 ? value : 0.0f;
 }
 

@@ -20,7 +20,10 @@
 
 namespace lucerna {
 
-/// A receiver, as lights see it. With `slack` it stands for all points and with `spread` for all
+/// A spread with which every cosine at the receiver is 1.
+inline constexpr float facing_spread = 4;
+
+/// A receiver, as lights see it; one in a medium faces all of them. With `slack` it stands for all points and with `spread` for all
 /// normals of a region: its radius, and the sine of the largest angle to the normal.
 struct ReceiverRegion {
     Vector3 p{0}, n{0}, ns{0};
@@ -32,6 +35,7 @@ struct ReceiverRegion {
     explicit ReceiverRegion(const Receiver& at) : p(at.p), n(at.n), ns(at.ns), slack(4 * at.error) {
         if (at.sides == Sides::both) two_sided = 1;
         if (at.sides == Sides::back) n = -n, ns = -ns;
+        if (!at.has_normal()) spread = facing_spread;
     }
 };
 

@@ -141,9 +141,6 @@ private:
     }
     std::size_t stride() const { return (candidates_.all.size() + 7) / 8 * 8; }
 
-    /// A spread with which every cosine at the receiver is 1.
-    static constexpr float facing_spread = 4;
-
     const Scene& scene_;
     const SceneLights& lights_;
     std::span<const Receiver> points_;
@@ -172,7 +169,8 @@ inline void LightStudy::bound_region(float margin) {
     }
     region_.p = center;
     region_.slack = radius + margin;
-    region_.spread = any_normal_ ? facing_spread : cosine > 0 ? safe_sqrt(1 - sqr(cosine)) : 1.0f;
+    const bool faces_all = any_normal_ || !points_.front().has_normal();
+    region_.spread = faces_all ? facing_spread : cosine > 0 ? safe_sqrt(1 - sqr(cosine)) : 1.0f;
 }
 
 /// How much larger the contribution of a light is if it is where the box of its cluster comes
@@ -293,12 +291,13 @@ inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
     const ReceiverRegion& lit = lit_[point];
     float cosine = glm::dot(sample->wi, lit.ns);
     const float side = glm::dot(sample->wi, lit.n) * cosine;
-    if (!(side > 0) || !(lit.two_sided > 0 || cosine > 0)) return 0;
-    if (any_normal_) cosine = 1;
+    const bool has_normal = at.has_normal();
+    if (has_normal && (!(side > 0) || !(lit.two_sided > 0 || cosine > 0))) return 0;
+    if (any_normal_ || !has_normal) cosine = 1;
     const double value = static_cast<double>(luminance(sample->radiance)) *
                          static_cast<double>(std::abs(cosine) / sample->pdf) / lights_.unit;
     if (!(value > 0) || !std::isfinite(value)) return 0;
-    return value * static_cast<double>(luminance(scene_.transmittance(at, *sample)));
+    return value * static_cast<double>(luminance(scene_.transmittance(at, *sample, rng_)));
 }
 
 inline float LightStudy::infinite_contribution() {

@@ -5,6 +5,7 @@
 #include "core/base/parallel.h"
 #include "core/interfaces/sensor.h"
 #include "core/math/sequences.h"
+#include "core/scene/medium_tracking.h"
 #include "core/scene/scatter.h"
 #include "core/scene/scene.h"
 
@@ -35,6 +36,21 @@ inline Vector3 eye_of(const Scene& scene) {
     return scene.sensor().sample_ray(middle, Vector2(0.5f)).o;
 }
 
+/// Where a path is scattered on its way through a medium, if it is.
+inline std::optional<Receiver> pilot_collision(const MediumSegment& way, Rng& rng) {
+    MediumPath path;
+    const Vector2 u = rng.next_float2();
+    if (!sample_collision(way, true, u, rng, path)) return {};
+    return Receiver::in_medium(*way.medium, way.o, way.d, path.t);
+}
+
+/// Where it goes from there.
+inline Vector3 pilot_direction(const Receiver& at, Vector3 wo, Rng& rng) {
+    const float u_lobe = rng.next_float();
+    const Vector2 u = rng.next_float2();
+    return at.medium->phase().sample(at.p, wo, u_lobe, u).wi;
+}
+
 /// The vertices of one path at which lights are sampled. It starts anywhere in the whole image: a
 /// crop must be a part of it to the bit.
 inline std::vector<Receiver> pilot_path(const Scene& scene, const PilotPaths& pilots,
@@ -45,19 +61,33 @@ inline std::vector<Receiver> pilot_path(const Scene& scene, const PilotPaths& pi
     const Vector2 place = sobol_owen_2d(index, pilots.seed);
     const Vector2 u_lens = rng.next_float2();
     Ray ray = scene.sensor().sample_ray(place * Vector2(scene.sensor().film().size()), u_lens);
+    const Medium* medium = scene.has_media() ? scene.sensor().medium() : nullptr;
     int bounces = 0;
     for (int edge = 0; edge < longest && bounces <= pilots.bounces; ++edge) {
         const std::optional<Interaction> at = scene.intersect(ray);
+        if (medium) {
+            const MediumSegment way{medium, ray.o, ray.d, at ? at->t : infinity};
+            if (const auto point = pilot_collision(way, rng)) {
+                result.push_back(*point);
+                ray = {.o = point->p, .d = pilot_direction(*point, -ray.d, rng)};
+                ++bounces;
+                continue;
+            }
+        }
         if (!at) break;
         const Vector3 wo = -ray.d;
         const BSDF& bsdf = *at->shape->bsdf();
-        if (any(bsdf.lobes() & smooth_lobes)) result.push_back(at->receiver(wo, bsdf.sides()));
+        if (any(bsdf.lobes() & smooth_lobes)) {
+            result.push_back(at->receiver(wo, bsdf.sides()));
+            if (scene.has_media()) result.back().medium = medium_beyond(*at, wo, medium);
+        }
         const float u_lobe = rng.next_float();
         const Vector2 u = rng.next_float2();
         const std::optional<ScatteredRay> next = scatter(*at, wo, u_lobe, u);
         if (!next) break;
         if (!next->sample.specular()) ++bounces;
         ray = next->ray;
+        if (scene.has_media()) medium = medium_beyond(*at, ray.d, medium);
     }
     return result;
 }

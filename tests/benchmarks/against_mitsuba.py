@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lucerna against Mitsuba 3 on the same scenes: speed, noise, and efficiency.
 
-Each scene is rendered by both with the integrator `path`, the same size, depth, sampler and filter,
-in turn, with other seeds in each round. Only rendering is timed: loading, building and compiling
-are not. Noise is what differs between seeds, so no reference is needed:
+Each scene is rendered by both with the same integrator (`path` unless another is asked for), size,
+depth, sampler and filter, in turn, with other seeds in each round. Only rendering is timed:
+loading, building and compiling are not. Noise is what differs between seeds, so no reference is
+needed:
 
     relMSE      mean over pixels and channels of variance / (mean² + 0.01 (mean of the image)²)
     efficiency  1 / (relMSE · seconds)
@@ -39,6 +40,7 @@ def arguments():
     parser.add_argument("--variants", default="llvm_ad_rgb,scalar_rgb", help="of Mitsuba")
     parser.add_argument("--seconds", type=float, default=5, help="of each render; 5 by default")
     parser.add_argument("--rounds", type=int, default=4, help="at least 2; 4 by default")
+    parser.add_argument("--integrator", default="path", choices=("path", "volpath", "volpathmis"))
     parser.add_argument("--depth", type=int, default=8, help="max_depth of both; 8 by default")
     parser.add_argument("--pixels", type=int, default=120000,
                         help="of pictures without a size of their own; 120000 by default")
@@ -90,13 +92,13 @@ class MitsubaWorker:
         mitsuba.set_variant(variant)
         mitsuba.set_log_level(mitsuba.LogLevel.Error)
 
-    def load(self, scene, width, height, depth):
+    def load(self, scene, width, height, integrator, depth):
         mi = self.mi
         config = mi.parser.ParserConfig(mi.variant())
         config.unused_properties = mi.LogLevel.Debug  # old scenes hold what it does not know
         # Old scenes write <lookAt>, which Mitsuba 3 does not upgrade.
         text = pathlib.Path(scene).read_text().replace("lookAt", "lookat")
-        defines = {"integrator": "path"} if 'name="integrator"' in text else {}
+        defines = {"integrator": integrator} if 'name="integrator"' in text else {}
         mi.file_resolver().prepend(str(pathlib.Path(scene).resolve().parent))
         state = mi.parser.parse_string(config, text, **defines)
         mi.parser.transform_all(config, state)
@@ -109,7 +111,7 @@ class MitsubaWorker:
         if width:
             parameters[size] = [width, height]
             parameters.update()
-        self.integrator = mi.load_dict({"type": "path", "max_depth": depth})
+        self.integrator = mi.load_dict({"type": integrator, "max_depth": depth})
         return {"width": int(full[0]), "height": int(full[1])}
 
     def render(self, spp, seed, output):
@@ -138,7 +140,8 @@ class SceneFailure(Exception):
 class Mitsuba:
     """One variant, in a process of its own."""
 
-    def __init__(self, variant):
+    def __init__(self, variant, integrator):
+        self.integrator = integrator
         environment = dict(os.environ)
         if variant.startswith("llvm") and "DRJIT_LIBLLVM_PATH" not in environment:
             if not (path := find_llvm()):
@@ -162,7 +165,8 @@ class Mitsuba:
         sys.exit(f"Mitsuba's {self.name} ended; another libLLVM may help (DRJIT_LIBLLVM_PATH)")
 
     def load(self, scene, size, depth):
-        return self.ask(do="load", scene=str(scene), width=size[0], height=size[1], depth=depth)
+        return self.ask(do="load", scene=str(scene), width=size[0], height=size[1],
+                        integrator=self.integrator, depth=depth)
 
     def render(self, spp, seed, folder):
         output = f"{folder}/{self.name}.npy"
@@ -177,10 +181,12 @@ class Lucerna:
     def __init__(self, options):
         self.program = options.lucerna
         self.settings = options.set
+        self.integrator = options.integrator
 
     def load(self, scene, size, depth):
         self.command = [self.program, "render", str(scene), "--json", "--quiet",
-                        "--set", "integrator.type=path", "--set", f"integrator.max_depth={depth}",
+                        "--set", f"integrator.type={self.integrator}",
+                        "--set", f"integrator.max_depth={depth}",
                         "--set", "sensor.film.component_format=float32",
                         "--resolution", f"{size[0]}x{size[1]}"]
         for setting in self.settings:
@@ -367,7 +373,7 @@ def main():
     if options.worker:
         return MitsubaWorker(options.worker).serve()
     lucerna = Lucerna(options)
-    mitsubas = [Mitsuba(variant) for variant in options.variants.split(",")]
+    mitsubas = [Mitsuba(variant, options.integrator) for variant in options.variants.split(",")]
     print("Lucerna over Mitsuba:\n")
     print("| scene | variant | spp | samples/s | variance per sample | efficiency | trimmed "
           "| mean | blocks |\n|---|---|---|---|---|---|---|---|---|", flush=True)

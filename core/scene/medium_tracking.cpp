@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/medium_tracking.h"
+
+namespace lucerna {
+
+namespace {
+
+float sum(Color c) { return c.x + c.y + c.z; }
+
+/// exp(−σ t), where t may be infinite.
+Color attenuation(Color sigma, float t) {
+    Color result;
+    for (int c = 0; c < 3; ++c) result[c] = sigma[c] > 0 ? std::exp(-sigma[c] * t) : 1.0f;
+    return result;
+}
+
+/// ε ∫ exp(−σ t) dt from 0 to `length`.
+Color emitted(Color emission, Color sigma, float length) {
+    Color result(0);
+    for (int c = 0; c < 3; ++c) {
+        if (!(emission[c] > 0)) continue;  // the length may be infinite
+        const float seen = sigma[c] > 0 ? -std::expm1(-sigma[c] * length) / sigma[c] : length;
+        result[c] = emission[c] * seen;
+    }
+    return result;
+}
+
+/// The distance to the next of events that happen at a rate.
+float sample_distance(double u, float rate) {
+    return static_cast<float>(-std::log1p(-u) / static_cast<double>(rate));
+}
+
+/// As fine as needed for media so thin that hardly any path collides.
+double fine(float u, Rng& rng) {
+    return static_cast<double>(u) + static_cast<double>(rng.next_float()) * 0x1p-24;
+}
+
+bool collide_homogeneous(const MediumSegment& segment, bool may_scatter, Vector2 u, Rng& rng,
+                         MediumPath& path) {
+    const MediumPoint m = segment.medium->at(segment.o);
+    if (segment.medium->emits()) {
+        path.radiance += path.beta * emitted(m.emission, m.sigma_t, segment.length);
+    }
+    if (!may_scatter || is_black(m.sigma_s)) {
+        path.beta *= attenuation(m.sigma_t, segment.length);
+        return false;
+    }
+    const float total = sum(path.beta);
+    if (!(total > 0)) return false;
+    const Color share = path.beta / total;
+    const int channel = u.x < share.x ? 0 : u.x < share.x + share.y ? 1 : 2;
+    const float t =
+        m.sigma_t[channel] > 0 ? sample_distance(fine(u.y, rng), m.sigma_t[channel]) : infinity;
+    if (t < segment.length) {
+        const Color arriving = attenuation(m.sigma_t, t);
+        path.beta *= m.sigma_s * arriving / sum(share * m.sigma_t * arriving);
+        path.t = t;
+        return true;
+    }
+    const Color arriving = attenuation(m.sigma_t, segment.length);
+    path.beta *= arriving / sum(share * arriving);
+    return false;
+}
+
+bool collide_tracked(const MediumSegment& segment, bool may_scatter, Rng& rng, MediumPath& path) {
+    const Medium& medium = *segment.medium;
+    MajorantIterator parts(*medium.majorants(), segment.o, segment.d, segment.length);
+    while (const auto part = parts.next()) {
+        float t = part->begin;
+        while (true) {
+            t += sample_distance(rng.next_double(), part->majorant);
+            if (!(t < part->end)) break;
+            const MediumPoint m = medium.at(segment.o + t * segment.d);
+            const float majorant = part->majorant;
+            path.radiance += path.beta * m.emission / majorant;
+            const Color null = glm::max(Color(majorant) - m.sigma_t, Color(0));
+            const float real_rate = may_scatter ? sum(path.beta * m.sigma_s) : 0.0f;
+            const float null_rate = sum(path.beta * null);
+            const float real_share = real_rate / (real_rate + null_rate);
+            if (!(real_rate + null_rate > 0)) {
+                path.beta = Color(0);
+                return false;
+            }
+            if (rng.next_float() < real_share) {
+                path.beta *= m.sigma_s / (majorant * real_share);
+                path.t = t;
+                return true;
+            }
+            path.beta *= null / (majorant * (1 - real_share));
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+Color transmittance(const MediumSegment& segment, Rng& rng) {
+    if (!segment.medium) return Color(1);
+    const Medium& medium = *segment.medium;
+    if (medium.homogeneous()) return attenuation(medium.at(segment.o).sigma_t, segment.length);
+    Color result(1);
+    MajorantIterator parts(*medium.majorants(), segment.o, segment.d, segment.length);
+    while (const auto part = parts.next()) {
+        float t = part->begin;
+        while (true) {
+            t += sample_distance(rng.next_double(), part->majorant);
+            if (!(t < part->end)) break;
+            const MediumPoint m = medium.at(segment.o + t * segment.d);
+            result *= glm::max(Color(1) - m.sigma_t / part->majorant, Color(0));
+            // Russian roulette: the rest of the way costs more than it tells.
+            constexpr float dim = 0.1f, survival = 0.5f;
+            if (max_component(result) < dim) {
+                if (is_black(result) || !(rng.next_float() < survival)) return Color(0);
+                result /= survival;
+            }
+        }
+    }
+    return result;
+}
+
+bool sample_collision(const MediumSegment& segment, bool may_scatter, Vector2 u, Rng& rng,
+                      MediumPath& path) {
+    if (!segment.medium) return false;
+    return segment.medium->homogeneous() ? collide_homogeneous(segment, may_scatter, u, rng, path)
+                                         : collide_tracked(segment, may_scatter, rng, path);
+}
+
+}  // namespace lucerna

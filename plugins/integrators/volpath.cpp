@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+/// volpath: path tracing through participating media, with next event estimation, multiple
+/// importance sampling and Russian roulette.
+///
+/// Surfaces are treated as in `path` without path reuse and with one pass of light samples: a scene
+/// without media gets the same bits. Media: core/scene/medium_tracking.h. Light that arrives at a
+/// vertex is estimated by sampling lights, with an estimate of the transmittance up to them, and by
+/// following the path. The power heuristic weights the two by their densities of direction alone:
+/// both estimates of the transmittance are unbiased by themselves.
+#include "core/render/sampling_integrator.h"
+#include "core/scene/medium_tracking.h"
+#include "plugins/integrators/medium_lighting.h"
+
+#include <limits>
+
+namespace lucerna {
+
+namespace {
+
+class VolumetricPathIntegrator final : public SamplingIntegrator {
+public:
+    explicit VolumetricPathIntegrator(const Params& params)
+        : max_depth_(params.int32("max_depth", -1, {.min = -1},
+                                  "longest path in edges: 1 shows only emitters, 2 direct light; "
+                                  "-1 is unlimited")),
+          rr_depth_(params.int32("rr_depth", 5, {.min = 1},
+                                 "edges before Russian roulette may end a path")),
+          hide_emitters_(
+              params.boolean("hide_emitters", false, "the camera looks through emitters")),
+          light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
+        if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
+    }
+
+    bool renders_media() const override { return true; }
+    int light_bounces() const override { return std::max(max_depth_ - 2, -1); }
+    void sample(const Scene& scene, std::span<CameraSample> samples) const override {
+        if (max_depth_ == 0) return;
+        for (CameraSample& sample : samples) trace(scene, sample);
+    }
+
+private:
+    // As in `path`. In scenes with media, each step takes four more: distance and seed.
+    static constexpr std::uint32_t camera_dimensions = 4;
+    static constexpr std::uint32_t bsdf_dimensions = 4, medium_dimensions = 4;
+
+    enum class Vertex { none, surface, medium };
+
+    struct Path {
+        Path(const Scene& s, CameraSample& sample_) : scene(s), sample(sample_), ray(sample_.ray) {
+            if (scene.has_media()) medium = scene.sensor().medium();
+        }
+
+        /// Past a surface that is no vertex, which lets the fraction `transmittance` through.
+        void go_straight(Color transmittance) {
+            beta *= transmittance;
+            medium = medium_beyond(*hit, ray.d, medium);
+            ray = hit->spawn_ray(ray.d);
+        }
+
+        const Scene& scene;
+        CameraSample& sample;
+        Ray ray;
+        std::optional<Interaction> hit{};
+        const Medium* medium = nullptr;  ///< in which the ray starts
+        float collision = 0;             ///< distance to it, if the vertex is in the medium
+        Rng rng{0};                      ///< for media
+        std::uint32_t dimension = camera_dimensions;
+        Vector2 u_direction{0}, u_lobe_and_roulette{0}, u_distance{0};
+        Receiver here;  ///< the surface at which the path is
+        PathVertex before;
+        int depth = 0;           ///< vertices before the one that comes
+        float seen_through = 1;  ///< of what lies before the first vertex
+        Color beta{1};
+        float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
+    };
+
+    void trace(const Scene& scene, CameraSample& sample) const;
+    void draw_numbers(Path& path) const;
+    Vertex arrive(Path& path) const;
+    bool cross_medium(Path& path) const;
+    void leave_scene(Path& path) const;
+    void add_found_light(Path& path) const;
+    void add_direct_light(Path& path) const;
+    void add_direct_light(Path& path, const LitPoint& point) const;
+    bool scatter_at_surface(Path& path) const;
+    bool scatter_in_medium(Path& path, const LitPoint& point) const;
+
+    int max_depth_;
+    int rr_depth_;
+    bool hide_emitters_;
+    const LightSampler& light_sampler_;
+};
+
+/// The numbers of a step that are not for lights; those follow in the stream.
+void VolumetricPathIntegrator::draw_numbers(Path& path) const {
+    SampleStream& stream = path.sample.stream;
+    const bool has_media = path.scene.has_media();
+    stream.jump_to(path.dimension);
+    path.dimension += bsdf_dimensions + light_dimensions(light_sampler_);
+    path.u_direction = stream.next_2d();
+    path.u_lobe_and_roulette = stream.next_2d();
+    if (!has_media) return;
+    path.dimension += medium_dimensions;
+    path.u_distance = stream.next_2d();
+    const Vector2 seed = stream.next_2d();
+    path.rng = Rng(hash64({static_cast<std::uint64_t>(seed.x * 0x1p24f),
+                           static_cast<std::uint64_t>(seed.y * 0x1p24f)}));
+}
+
+/// Adds what is emitted where the ray ends.
+void VolumetricPathIntegrator::add_found_light(Path& path) const {
+    if (path.depth == 0 && hide_emitters_) return;
+    const Color found =
+        path.hit ? found_emission(path.scene, light_sampler_, path.before, *path.hit, -path.ray.d)
+                 : found_environment(path.scene, light_sampler_, path.before, path.ray.d);
+    path.sample.result.radiance += path.beta * found;
+}
+
+/// Through the medium up to the surface that comes; true if the path is scattered before.
+bool VolumetricPathIntegrator::cross_medium(Path& path) const {
+    if (!path.medium) return false;
+    const MediumSegment way{path.medium, path.ray.o, path.ray.d, path.hit ? path.hit->t : infinity};
+    MediumPath through{.beta = path.beta};
+    const bool may_scatter = path.depth + 1 < max_depth_;
+    const bool scattered = sample_collision(way, may_scatter, path.u_distance, path.rng, through);
+    if (path.depth == 0) path.seen_through *= luminance(through.beta) / luminance(path.beta);
+    path.sample.result.radiance += through.radiance;
+    path.beta = through.beta;
+    path.collision = through.t;
+    // Behind a surface that is no vertex the way goes on with new numbers.
+    path.u_distance = path.rng.next_float2();
+    return scattered;
+}
+
+void VolumetricPathIntegrator::leave_scene(Path& path) const {
+    add_found_light(path);
+    if (path.depth > 0) return;
+    const bool sky = !hide_emitters_ && !path.scene.infinite_lights().empty();
+    path.sample.result.alpha = sky ? 1.0f : 1 - path.seen_through;
+}
+
+/// Follows the ray to the next vertex, adding what is emitted on the way. Emitters that are hidden
+/// are no vertices, nor is what only lets light through. After the last vertex that is allowed,
+/// only light that goes straight through counts.
+VolumetricPathIntegrator::Vertex VolumetricPathIntegrator::arrive(Path& path) const {
+    while (true) {
+        path.hit = path.scene.intersect(path.ray);
+        if (cross_medium(path)) return is_black(path.beta) ? Vertex::none : Vertex::medium;
+        if (path.medium && is_black(path.beta)) return Vertex::none;
+        if (!path.hit) break;
+        add_found_light(path);
+        const Interaction& at = *path.hit;
+        if (path.depth == 0 && hide_emitters_ && at.shape->emitter()) {
+            path.go_straight(Color(1));
+        } else if (path.depth + 1 < max_depth_ && at.shape->bsdf()->lobes() != Lobe::null) {
+            return Vertex::surface;
+        } else {
+            const Color transmittance = straight_transmittance(at, -path.ray.d);
+            if (is_black(transmittance)) return Vertex::none;
+            path.seen_through *= luminance(transmittance);
+            path.go_straight(transmittance);
+        }
+    }
+    leave_scene(path);
+    return Vertex::none;
+}
+
+/// Light sampling at a surface.
+void VolumetricPathIntegrator::add_direct_light(Path& path) const {
+    const Scene& scene = path.scene;
+    const Interaction& at = *path.hit;
+    const LitSurface surface(at, *at.shape->bsdf(), -path.ray.d);
+    path.here = surface.receiver;
+    if (!surface.samples_lights) return;
+    SampleStream& stream = path.sample.stream;
+    ColorD direct(0);  // in double: there may be a million draws
+    LightEstimate light;
+    for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
+        const float u_choice = stream.next_2d().x;
+        const Vector2 u_light = stream.next_2d();
+        const auto choice = light_sampler_.sample(surface.receiver, draw, u_choice);
+        if (!choice || !sample_light(scene, *choice, surface, u_light, 1, 1, light)) continue;
+        Receiver receiver = surface.receiver;
+        receiver.medium = medium_beyond(at, light.sample.wi, path.medium);
+        const Color arriving = scene.transmittance(receiver, light.sample, path.rng);
+        if (!is_black(arriving)) direct += ColorD(arriving * light.value);
+    }
+    path.sample.result.radiance += path.beta * Color(direct);
+}
+
+/// Light sampling at a point of a medium.
+void VolumetricPathIntegrator::add_direct_light(Path& path, const LitPoint& point) const {
+    SampleStream& stream = path.sample.stream;
+    ColorD direct(0);
+    LightEstimate light;
+    for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
+        const float u_choice = stream.next_2d().x;
+        const Vector2 u_light = stream.next_2d();
+        const auto choice = light_sampler_.sample(point.receiver, draw, u_choice);
+        if (!choice || !sample_light(path.scene, *choice, point, u_light, light)) continue;
+        const Color arriving = path.scene.transmittance(point.receiver, light.sample, path.rng);
+        direct += ColorD(arriving * light.value);
+    }
+    path.sample.result.radiance += path.beta * Color(direct);
+}
+
+/// Continues along a direction of the BSDF; false if the path ends. What is found straight through
+/// the surface is weighted against light sampling at the vertex before.
+bool VolumetricPathIntegrator::scatter_at_surface(Path& path) const {
+    const Interaction& at = *path.hit;
+    const std::optional<ScatteredRay> next =
+        scatter(at, -path.ray.d, path.u_lobe_and_roulette.x, path.u_direction);
+    if (!next) return false;
+    const BSDFSample& sample = next->sample;
+    if (is_black(path.beta * sample.weight)) return false;  // underflow: nothing can be seen
+    if (sample.lobe == Lobe::null) {
+        path.go_straight(sample.weight);
+        return true;
+    }
+    path.beta *= sample.weight;
+    path.eta2 *= sqr(sample.eta);
+    path.before = {.receiver = path.here, .pdf = sample.pdf, .specular = sample.specular()};
+    path.ray = next->ray;
+    path.medium = medium_beyond(at, path.ray.d, path.medium);
+    ++path.depth;
+    return true;
+}
+
+/// Continues along a direction of the phase function; false if the path ends.
+bool VolumetricPathIntegrator::scatter_in_medium(Path& path, const LitPoint& point) const {
+    const PhaseSample sample = point.phase.sample(point.receiver.p, point.wo,
+                                                  path.u_lobe_and_roulette.x, path.u_direction);
+    if (!(sample.weight > 0)) return false;
+    path.beta *= sample.weight;
+    path.before = {.receiver = point.receiver, .pdf = sample.pdf, .specular = false};
+    path.ray = {.o = point.receiver.p, .d = sample.wi};
+    ++path.depth;
+    return true;
+}
+
+void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample) const {
+    Path path(scene, sample);
+    for (int step = 0;; ++step) {
+        draw_numbers(path);
+        const Vertex vertex = arrive(path);
+        if (vertex == Vertex::none) return;
+        if (vertex == Vertex::surface) {
+            add_direct_light(path);
+            if (!scatter_at_surface(path)) return;
+        } else {
+            const LitPoint point{.receiver = Receiver::in_medium(*path.medium, path.ray.o,
+                                                                 path.ray.d, path.collision),
+                                 .phase = path.medium->phase(),
+                                 .wo = -path.ray.d};
+            add_direct_light(path, point);
+            if (!scatter_in_medium(path, point)) return;
+        }
+        if (step + 1 < rr_depth_) continue;
+        const float survival = survival_probability(path.beta, path.eta2);
+        if (!(path.u_lobe_and_roulette.y < survival)) return;
+        path.beta /= survival;
+    }
+}
+
+}  // namespace
+
+const PluginInfo plugin = describe<VolumetricPathIntegrator>(
+    "path tracing through fog, smoke and other participating media");
+
+}  // namespace lucerna

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+/// heterogeneous: a medium whose coefficients vary in space, such as smoke or a cloud.
+///
+/// It ends where one of its volumes ends. Light is followed below the majorants of a coarse grid,
+/// whose cells hold several voxels each.
+#include "plugins/media/coefficients.h"
+
+#include <optional>
+
+namespace lucerna {
+namespace {
+
+class Heterogeneous final : public Medium {
+public:
+    explicit Heterogeneous(const Params& params) : Medium(params), coefficients_(params) {
+        if (coefficients_.constant()) return;
+        const Bounds3 box = coefficients_.bounds();
+        if (box.empty() || !is_finite(box.min) || !is_finite(box.max)) {
+            throw Error("one of the volumes of a heterogeneous medium must have bounds");
+        }
+        const glm::ivec3 size =
+            glm::clamp(coefficients_.resolution() / voxels_per_cell, glm::ivec3(1), glm::ivec3(64));
+        grid_.emplace(box, size, [&](const Bounds3& cell) {
+            // Emission is met at collisions, even where there is no extinction.
+            const float length = max_component(cell.extent());
+            const float emits = coefficients_.max_emission(cell) > 0 ? 1 / length : 0.0f;
+            const float majorant = std::max(coefficients_.max_extinction(cell), emits);
+            if (!std::isfinite(majorant)) throw Error("the extinction of a medium must be finite");
+            return majorant;
+        });
+    }
+
+    MediumPoint at(Vector3 p) const override { return coefficients_.at(p); }
+    const MajorantGrid* majorants() const override { return grid_ ? &*grid_ : nullptr; }
+    bool emits() const override { return coefficients_.emits(); }
+
+private:
+    static constexpr int voxels_per_cell = 4;
+
+    MediumCoefficients coefficients_;
+    std::optional<MajorantGrid> grid_;
+};
+
+}  // namespace
+
+const PluginInfo plugin = describe<Heterogeneous>("varies in space: smoke, clouds, fire");
+
+}  // namespace lucerna

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Media at their limits: hardly there, opaque, black, white, needles; cameras and lights inside.
+#include "tests/render_scene.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+namespace lucerna {
+namespace {
+
+using std::numbers::pi;
+
+std::string volpath(const std::string& inside = "") {
+    return "<integrator type='volpath'>" + inside + "</integrator>";
+}
+std::string fog(const std::string& name, double sigma_t, double albedo,
+                const std::string& inside = "") {
+    return fmt::format("<medium type='homogeneous' name='{}'>", name) + number("sigma_t", sigma_t) +
+           number("albedo", albedo) + inside + "</medium>";
+}
+std::string hg(double g) { return "<phase type='hg'>" + number("g", g) + "</phase>"; }
+const std::string null_surface = "<bsdf type='null'/>";
+std::string camera(Vector3d from, Vector3d at, const std::string& medium = "") {
+    TestCamera c{.to_world = look(from, at), .fov = 20, .width = 4, .height = 4};
+    c.inside = medium;
+    return xml(c);
+}
+const std::string sky = constant_light(1);
+
+TEST(OpticalThickness, OneMillionthScattersOneMillionth) {
+    // What is scattered once on the way of length 2 to a black wall, past a point light.
+    double expected = 0;
+    constexpr int n = 100000;
+    for (int i = 0; i < n; ++i) {
+        const double t = 2 * (i + 0.5) / n;
+        expected += 1e-6 / (4 * pi) / (t * t + 0.25) * 2 / n;
+    }
+    TestCamera thin{.to_world = look({0, 0, 0}, {1, 0, 0})};
+    thin.inside = fog("", 1e-6, 1);
+    const std::string scene = volpath(integer("max_depth", 2)) + xml(thin) +
+                              point_light({0, 0.5, 0}, 1) +
+                              shape("rectangle", scale(9) + look({2, 0, 0}, {0, 0, 0}), diffuse(0));
+    const RunningStatistics means = image_means(scene, 65536, 16);
+    EXPECT_LT(std::abs(means.mean() - expected), 4 * means.standard_error());
+    EXPECT_LT(means.standard_error(), 0.25 * expected);
+}
+
+TEST(OpticalThickness, OneMillionIsAsOpaqueAsAThousand) {
+    const auto ball = [](double sigma_t) {
+        return volpath() + camera({0, 0, -4}, {0, 0, 0}) + sky +
+               sphere({0, 0, 0}, 1, null_surface + fog("interior", sigma_t, 0.8));
+    };
+    EXPECT_TRUE(agree(image_means(ball(1e6), 1024), image_means(ball(1e3), 1024), 0.005));
+}
+
+TEST(Albedo, ZeroIsBlackAndOneLosesNothing) {
+    const auto ball = [](double sigma_t, double albedo) {
+        return volpath() + camera({0, 0, -40}, {0, 0, 0}) + sky +
+               sphere({0, 0, 0}, 20, null_surface + fog("interior", sigma_t, albedo));
+    };
+    EXPECT_TRUE(is_constant(TestScene(ball(1e6, 0)).render({.per_pixel = 4}), 0));
+    EXPECT_TRUE(agrees(image_means(ball(0.1, 1), 512), 1));
+    EXPECT_TRUE(is_constant(TestScene(ball(0, 1)).render({.per_pixel = 4}), 1));
+}
+
+TEST(HenyeyGreenstein, NeedlesKeepTheFurnaceWhite) {
+    for (const double g : {-0.999, 0.999}) {
+        const std::string scene = volpath(integer("rr_depth", 50)) + camera({0, 0, -4}, {0, 0, 0}) +
+                                  sky +
+                                  sphere({0, 0, 0}, 1, null_surface + fog("interior", 3, 1, hg(g)));
+        EXPECT_TRUE(agrees(image_means(scene, 512), 1, 0.004)) << g;
+    }
+}
+
+TEST(Camera, InsideOnTheBoundaryAndOutside) {
+    const std::string ball =
+        sphere({0, 0, 0}, 1, null_surface + fog("interior", 2, 1)) + sky + volpath();
+    for (const double z : {0.0, 0.999999, 1.0}) {
+        const std::string inside = camera({0, 0, z}, {0, 0, -4}, fog("", 2, 1));
+        EXPECT_TRUE(agrees(image_means(ball + inside, 512), 1, 0.004)) << z;
+    }
+}
+
+/// A lamp in a bounded medium lights the camera outside: flux is conserved by a white medium, so
+/// that a sphere of it around a point light has the radiant exitance of the light's flux.
+TEST(Lamp, InsideOfAWhiteMedium) {
+    const std::string ball = sphere({0, 0, 0}, 1, null_surface + fog("interior", 1.5, 1));
+    // Irradiance of a distant, small target is that of the lamp alone: I / d².
+    const std::string target =
+        shape("rectangle", scale(0.01) + look({0, 0, 20}, {0, 0, 0}), diffuse(0.5));
+    TestCamera c{.to_world = look({3, 0, 17}, {0, 0, 20}), .width = 4, .height = 4};
+    const std::string rest = volpath() + xml(c) + target + ball;
+    const double expected = 0.5 / pi * 1 / 400.0;
+    EXPECT_TRUE(agrees(image_means(rest + point_light({0, 0, 0}, 1), 16384), expected, 0.02));
+}
+
+TEST(Media, ThreadsDoNotMatter) {
+    const std::string scene = volpath() +
+                              camera({0, 0, -4}, {0, 0, 0}, fog("", 0.05, 0.9, hg(0.5))) + sky +
+                              sphere({0, 0, 0}, 1,
+                                     "<bsdf type='dielectric'/>" + fog("interior", 2, 0.9) +
+                                         fog("exterior", 0.05, 0.9, hg(0.5))) +
+                              sphere({1, 0, -1}, 0.1, area_light(10));
+    const TestScene test(scene);
+    const auto one = numbers_of(test.render({.per_pixel = 16, .threads = 1}));
+    EXPECT_EQ(one, numbers_of(test.render({.per_pixel = 16, .threads = 2})));
+    EXPECT_EQ(one, numbers_of(test.render({.per_pixel = 16, .threads = 7})));
+}
+
+/// Shapes that are placed by instances have media, too.
+TEST(Media, InInstances) {
+    const std::string ball = sphere({0, 0, 0}, 1,
+                                    null_surface +
+                                        "<medium type='homogeneous' name='interior'>"
+                                        "<rgb name='sigma_a' value='0.7'/></medium>");
+    const std::string scene =
+        volpath() + sky + xml({.to_world = look({5, 0, -4}, {5, 0, 0}), .width = 2, .height = 2}) +
+        "<shape type='shapegroup' id='group'>" + ball + "</shape>" +
+        shape("instance", translate({5, 0, 0}), "<ref id='group'/>");
+    EXPECT_TRUE(is_constant(TestScene(scene).render({.per_pixel = 1}), std::exp(-1.4), 1e-4));
+}
+
+}  // namespace
+}  // namespace lucerna
