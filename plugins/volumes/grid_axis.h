@@ -61,16 +61,19 @@ struct Between {
     float t;  ///< in [0, 1)
 };
 
+/// x − ⌊x⌋ in [0, 1), also where it is rounded.
+inline float fraction(double x) {
+    return std::min(static_cast<float>(x - floor_of(x)), one_minus_epsilon);
+}
+
 /// Coordinates beyond ±2^29 count as the nearest of these, and NaN as the lower.
 inline Between between(double x, int n, GridFilter filter, GridWrap wrap) {
     x = std::min(std::max(-0x1p29, x), 0x1p29);
     const double place = filter == GridFilter::nearest ? x : x - 0.5;
-    const double below = floor_of(place);
-    const int i = static_cast<int>(below);
+    const int i = static_cast<int>(floor_of(place));
     const int first = wrapped(i, n, wrap);
     if (filter == GridFilter::nearest) return {first, first, 0};
-    const auto t = std::min(static_cast<float>(place - below), one_minus_epsilon);
-    return {first, wrapped(i + 1, n, wrap), t};
+    return {first, wrapped(i + 1, n, wrap), fraction(place)};
 }
 
 /// The numbers that `between` can reach, before they are wrapped, from coordinates in [lo, hi].

@@ -142,7 +142,7 @@ TEST_F(Volumes, BoundsAreReachedWhereABoxHoldsAVoxel) {
             const Vector3 shift(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
             expected = std::max(expected, v.real(centre + shift / n));
         }
-        // Centres are rounded by up to 2^-24, of a row of 21 voxels whose numbers differ by up to 1.
+        // Centres are rounded by up to 2^-24, in rows of 21 voxels that differ by up to 1.
         EXPECT_NEAR(v.max({.min = centre - 0.25f / n, .max = centre + 0.25f / n}), expected,
                     3 * 21 * 0x1p-24);
     }
