@@ -6,7 +6,7 @@
 ///   to_world      transform                 rotation, translation and uniform scale
 ///   flip_normals  boolean    false          the normals point to the axis
 ///
-/// u is the angle around the axis, v runs from p1 to p0 (plugins/shapes/mesh.h tells why). Rays are met
+/// u is the angle around the axis, v runs from p1 to p0 (mesh.h tells why). Rays are met
 /// in double. As a light it is sampled by area.
 #include "plugins/shapes/analytic.h"
 

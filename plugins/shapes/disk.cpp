@@ -4,7 +4,7 @@
 ///   to_world      transform          any affine transform: the disk may become an ellipse
 ///   flip_normals  boolean    false   faces −z
 ///
-/// u is the distance from the center, 1 − v the angle (plugins/shapes/mesh.h tells why). As a light it
+/// u is the distance from the center, 1 − v the angle (mesh.h tells why). As a light it
 /// is sampled by area.
 #include "core/math/warp.h"
 #include "plugins/shapes/analytic.h"
