@@ -6,9 +6,11 @@
 /// without media gets the same bits. Media: core/scene/medium_tracking.h. Light that arrives at a
 /// vertex is estimated by sampling lights, with an estimate of the transmittance up to them, and by
 /// following the path. The power heuristic weights the two by their densities of direction alone:
-/// both estimates of the transmittance are unbiased by themselves.
+/// both estimates of the transmittance are unbiased by themselves. Direct light that a homogeneous
+/// medium scatters to the camera is sampled once more along each camera ray (line_scattering.h).
 #include "core/render/sampling_integrator.h"
 #include "core/scene/medium_tracking.h"
+#include "plugins/integrators/line_scattering.h"
 #include "plugins/integrators/medium_lighting.h"
 
 #include <limits>
@@ -39,9 +41,9 @@ public:
     }
 
 private:
-    // As in `path`. In scenes with media, each step takes four more: distance and seed.
+    // As in `path`. In scenes with media, each step takes six more: distances and seed.
     static constexpr std::uint32_t camera_dimensions = 4;
-    static constexpr std::uint32_t bsdf_dimensions = 4, medium_dimensions = 4;
+    static constexpr std::uint32_t bsdf_dimensions = 4, medium_dimensions = 6;
 
     enum class Vertex { none, surface, medium };
 
@@ -63,9 +65,10 @@ private:
         std::optional<Interaction> hit{};
         const Medium* medium = nullptr;  ///< in which the ray starts
         float collision = 0;             ///< distance to it, if the vertex is in the medium
+        float direct_weight = 1;         ///< of light sampling there
         Rng rng{0};                      ///< for media
         std::uint32_t dimension = camera_dimensions;
-        Vector2 u_direction{0}, u_lobe_and_roulette{0}, u_distance{0};
+        Vector2 u_direction{0}, u_lobe_and_roulette{0}, u_distance{0}, u_line{0};
         Receiver here;  ///< the surface at which the path is
         PathVertex before;
         int depth = 0;           ///< vertices before the one that comes
@@ -78,10 +81,12 @@ private:
     void draw_numbers(Path& path) const;
     Vertex arrive(Path& path) const;
     bool cross_medium(Path& path) const;
+    void add_line_scattering(Path& path, const MediumSegment& way, LineScattering& line) const;
     void leave_scene(Path& path) const;
     void add_found_light(Path& path) const;
     void add_direct_light(Path& path) const;
-    void add_direct_light(Path& path, const LitPoint& point) const;
+    template <typename Numbers>
+    Color direct_light(Path& path, const LitPoint& point, Numbers&& next_2d) const;
     bool scatter_at_surface(Path& path) const;
     bool scatter_in_medium(Path& path, const LitPoint& point) const;
 
@@ -102,6 +107,7 @@ void VolumetricPathIntegrator::draw_numbers(Path& path) const {
     if (!has_media) return;
     path.dimension += medium_dimensions;
     path.u_distance = stream.next_2d();
+    path.u_line = stream.next_2d();
     const Vector2 seed = stream.next_2d();
     path.rng = Rng(hash64({static_cast<std::uint64_t>(seed.x * 0x1p24f),
                            static_cast<std::uint64_t>(seed.y * 0x1p24f)}));
@@ -116,19 +122,56 @@ void VolumetricPathIntegrator::add_found_light(Path& path) const {
     path.sample.result.radiance += path.beta * found;
 }
 
+/// Direct light that is scattered anywhere between the camera and what it sees.
+void VolumetricPathIntegrator::add_line_scattering(Path& path, const MediumSegment& way,
+                                                   LineScattering& line) const {
+    Rng& rng = path.rng;
+    const auto at = [&](float t) { return Receiver::in_medium(*way.medium, way.o, way.d, t); };
+    // A light that matters somewhere on the ray.
+    const Receiver middle = at(line.forced_distance(rng.next_double()));
+    const std::uint32_t draw = std::min(
+        static_cast<std::uint32_t>(rng.next_float() * static_cast<float>(light_sampler_.draws())),
+        light_sampler_.draws() - 1);
+    const float u_choice = rng.next_float();
+    const Vector2 u_light = rng.next_float2();
+    if (const auto choice = light_sampler_.sample(middle, draw, u_choice)) {
+        const Light& light = path.scene.lights()[choice->light];
+        const auto sample = light.emitter->sample_li(light, middle, u_light);
+        if (sample && std::isfinite(sample->distance)) line.aim_at(sample->p);
+    }
+    const float u_strategy = path.u_line.x;
+    const float t = line.sample(u_strategy, static_cast<double>(path.u_line.y));
+    const Color throughput = line.throughput(t);
+    if (is_black(throughput) || !is_finite(throughput)) return;
+    const LitPoint point{.receiver = at(t), .phase = way.medium->phase(), .wo = -way.d};
+    path.sample.result.radiance +=
+        throughput * direct_light(path, point, [&] { return rng.next_float2(); });
+}
+
 /// Through the medium up to the surface that comes; true if the path is scattered before.
 bool VolumetricPathIntegrator::cross_medium(Path& path) const {
     if (!path.medium) return false;
     const MediumSegment way{path.medium, path.ray.o, path.ray.d, path.hit ? path.hit->t : infinity};
-    MediumPath through{.beta = path.beta};
     const bool may_scatter = path.depth + 1 < max_depth_;
+    std::optional<LineScattering> line;
+    if (may_scatter && path.medium->homogeneous() && light_sampler_.draws() > 0) {
+        line.emplace(way, path.beta);
+        if (line->scatters()) {
+            add_line_scattering(path, way, *line);
+        } else {
+            line.reset();
+        }
+    }
+    MediumPath through{.beta = path.beta};
     const bool scattered = sample_collision(way, may_scatter, path.u_distance, path.rng, through);
     if (path.depth == 0) path.seen_through *= luminance(through.beta) / luminance(path.beta);
     path.sample.result.radiance += through.radiance;
     path.beta = through.beta;
     path.collision = through.t;
+    path.direct_weight = line && scattered ? line->collision_weight(through.t) : 1;
     // Behind a surface that is no vertex the way goes on with new numbers.
     path.u_distance = path.rng.next_float2();
+    path.u_line = path.rng.next_float2();
     return scattered;
 }
 
@@ -188,20 +231,21 @@ void VolumetricPathIntegrator::add_direct_light(Path& path) const {
     path.sample.result.radiance += path.beta * Color(direct);
 }
 
-/// Light sampling at a point of a medium.
-void VolumetricPathIntegrator::add_direct_light(Path& path, const LitPoint& point) const {
-    SampleStream& stream = path.sample.stream;
+/// Light that reaches a point of a medium and is scattered towards wo, by light sampling.
+template <typename Numbers>
+Color VolumetricPathIntegrator::direct_light(Path& path, const LitPoint& point,
+                                             Numbers&& next_2d) const {
     ColorD direct(0);
     LightEstimate light;
     for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
-        const float u_choice = stream.next_2d().x;
-        const Vector2 u_light = stream.next_2d();
+        const float u_choice = next_2d().x;
+        const Vector2 u_light = next_2d();
         const auto choice = light_sampler_.sample(point.receiver, draw, u_choice);
         if (!choice || !sample_light(path.scene, *choice, point, u_light, light)) continue;
         const Color arriving = path.scene.transmittance(point.receiver, light.sample, path.rng);
         direct += ColorD(arriving * light.value);
     }
-    path.sample.result.radiance += path.beta * Color(direct);
+    return Color(direct);
 }
 
 /// Continues along a direction of the BSDF; false if the path ends. What is found straight through
@@ -252,7 +296,10 @@ void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample) c
                                                                  path.ray.d, path.collision),
                                  .phase = path.medium->phase(),
                                  .wo = -path.ray.d};
-            add_direct_light(path, point);
+            SampleStream& stream = sample.stream;
+            sample.result.radiance +=
+                path.beta *
+                (path.direct_weight * direct_light(path, point, [&] { return stream.next_2d(); }));
             if (!scatter_in_medium(path, point)) return;
         }
         if (step + 1 < rr_depth_) continue;

@@ -29,7 +29,7 @@ std::string glass(double ior) {
 std::string slab(double depth, const std::string& inside) {
     return shape(
         "cube",
-        fmt::format("<scale x='9' y='9' z='{}'/>", depth / 2) + translate({0, 0, depth / 2}),
+        fmt::format("<scale x='2' y='2' z='{}'/>", depth / 2) + translate({0, 0, depth / 2}),
         inside);
 }
 /// Looks along the normal of the slabs.
@@ -55,8 +55,9 @@ TEST(AbsorbingSlab, O12_BeersLawInEachChannel) {
                                        .render({.per_pixel = 4});
             for (int c = 0; c < 3; ++c) {
                 const double expected = std::exp(-1.5 * sigma[c]);
+                // Rays start off their surface by the rounding of its coordinates.
                 EXPECT_NEAR(one_channel(film, static_cast<std::size_t>(c)), expected,
-                            1e-5 * expected);
+                            2e-5 * expected);
             }
         }
     }
@@ -74,10 +75,10 @@ TEST(AbsorbingSlab, O12_AGlassSlabWithColour) {
                                 (1 - f) * (1 - f) * t / (1 - f * f * t * t);
         RunningStatistics means;
         for (std::uint64_t seed = 0; seed < 12; ++seed) {
-            const FilmState film = scene.render({.per_pixel = 2048, .seed = seed});
+            const FilmState film = scene.render({.per_pixel = 1024, .seed = seed});
             means.add(pixel_statistics(film, static_cast<std::size_t>(c)).mean());
         }
-        EXPECT_TRUE(agrees(means, expected)) << c;
+        EXPECT_TRUE(agrees(means, expected, 0.006)) << c;
     }
 }
 
@@ -126,10 +127,10 @@ TEST(AbsorbingSlab, G8_ShadowRaysAndPathsMeetTheSameMedium) {
     // A small lamp above, which both strategies find.
     const std::string lamp =
         shape("rectangle", scale(0.5) + look({0, 0, 1.5}, {0, 0, 0}), diffuse(0) + area_light(1));
-    const RunningStatistics all = image_means(volpath() + floor + veil + lamp, 4096);
+    const RunningStatistics all = image_means(volpath() + floor + veil + lamp, 512);
     const RunningStatistics few =
-        image_means(volpath(integer("max_depth", 2)) + floor + veil + lamp, 4096);
-    EXPECT_TRUE(agree(all, few));
+        image_means(volpath(integer("max_depth", 2)) + floor + veil + lamp, 512);
+    EXPECT_TRUE(agree(all, few, 0.005));
 }
 
 /// ∫ σs exp(−σt t) f(cos θ) I / d² exp(−σt d) dt along the x axis, with a light at (at, h).
@@ -155,8 +156,8 @@ TEST(SingleScattering, APointLightInAnInfiniteMedium) {
             const double expected = single_scattering(0.6 * sigma_t, sigma_t, g, 2, 0.7);
             EXPECT_TRUE(agrees(image_means(volpath(integer("max_depth", 2)) + xml(camera) +
                                                point_light({2, 0.7, 0}, 1),
-                                           4096),
-                               expected, 0.004))
+                                           256),
+                               expected, 0.005))
                 << g << ' ' << sigma_t;
         }
     }
@@ -171,11 +172,11 @@ TEST(SingleScattering, ColouredExtinction) {
                           point_light({2, 0.7, 0}, 1));
     RunningStatistics means[3];
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
-        const FilmState film = scene.render({.per_pixel = 4096, .seed = seed});
+        const FilmState film = scene.render({.per_pixel = 256, .seed = seed});
         for (std::size_t c = 0; c < 3; ++c) means[c].add(pixel_statistics(film, c).mean());
     }
     for (int c = 0; c < 3; ++c) {
-        EXPECT_TRUE(agrees(means[c], single_scattering(sigma[c], sigma[c], 0, 2, 0.7), 0.006)) << c;
+        EXPECT_TRUE(agrees(means[c], single_scattering(sigma[c], sigma[c], 0, 2, 0.7), 0.01)) << c;
     }
 }
 
@@ -200,7 +201,7 @@ TEST(WhiteFurnace, O13_MediaThatOnlyScatter) {
             ball(0.5, glass(1.3) + fog("interior", white(6, -0.4)) + fog("exterior", white(1, 0))),
     };
     for (const std::string& scene : scenes) {
-        EXPECT_TRUE(agrees(image_means(rest + scene, 512), 1)) << scene;
+        EXPECT_TRUE(agrees(image_means(rest + scene, 256), 1, 0.006)) << scene;
     }
 }
 
@@ -235,8 +236,8 @@ TEST(HalfSpace, ReflectsWhatChandrasekharSays) {
             const std::string ground =
                 shape("cube", scale(2000) + translate({0, 0, 2000}), null_surface + medium);
             EXPECT_TRUE(
-                agrees(image_means(volpath() + constant_light(1) + xml(camera) + ground, 4096),
-                       1 - std::sqrt(1 - albedo) * chandrasekhar_h(albedo, mu), 0.003))
+                agrees(image_means(volpath() + constant_light(1) + xml(camera) + ground, 512),
+                       1 - std::sqrt(1 - albedo) * chandrasekhar_h(albedo, mu), 0.006))
                 << albedo << ' ' << mu;
         }
     }
