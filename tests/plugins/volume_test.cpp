@@ -78,7 +78,6 @@ protected:
         std::vector<std::string> list;
         for (const std::string& name : workshop_.registry().names("volume")) {
             const auto body = bodies.find(name);
-            if (name == "openvdb") continue;  // vdb_test.cpp
             const std::string parameters = body == bodies.end() ? "" : body->second;
             list.push_back(volume(name, parameters));
             list.push_back(volume(name, parameters + turned));
