@@ -7,7 +7,7 @@
 /// vertex is estimated by sampling lights, with an estimate of the transmittance up to them, and by
 /// following the path. The power heuristic weights the two by their densities of direction alone:
 /// both estimates of the transmittance are unbiased by themselves. Direct light that a homogeneous
-/// medium scatters to the camera is sampled once more along each camera ray (line_scattering.h).
+/// medium scatters is sampled once more along each ray (line_scattering.h).
 #include "core/render/sampling_integrator.h"
 #include "core/scene/medium_tracking.h"
 #include "plugins/integrators/line_scattering.h"
@@ -122,7 +122,7 @@ void VolumetricPathIntegrator::add_found_light(Path& path) const {
     path.sample.result.radiance += path.beta * found;
 }
 
-/// Direct light that is scattered anywhere between the camera and what it sees.
+/// Direct light that is scattered anywhere along the ray.
 void VolumetricPathIntegrator::add_line_scattering(Path& path, const MediumSegment& way,
                                                    LineScattering& line) const {
     Rng& rng = path.rng;
