@@ -4,10 +4,10 @@
 
     tests/fuzz/mutations.py [--lucerna PROGRAM] [--rounds 300] [--seed 0] [--keep FOLDER]
 
-Each round takes a scene, a mesh, a picture or a volume that is right, changes some of its bytes, numbers or
-lines, and renders it. Whatever the change, the program must end within ten seconds with an exit
-code that is documented, and each error must tell its place: file, line and column. What breaks
-this is kept, and the exit code is 1. The same seed makes the same changes.
+Each round takes a scene, a mesh, a picture or a volume that is right, changes some of its bytes,
+numbers or lines, and renders it. Whatever the change, the program must end within ten seconds with
+an exit code that is documented, and each error must tell its place: file, line and column. What
+breaks this is kept, and the exit code is 1. The same seed makes the same changes.
 """
 import argparse
 import os
