@@ -221,6 +221,15 @@ def kill_once(cluster, job, number, down, counts):
             counts[kind] += 1
 
 
+def given_up(options, folder, number):
+    """Parts that were killed 20 times are requeued no more: the rest is to be submitted anew."""
+    queued = run("squeue", "--noheader", f"--jobs={number}", check=False).stdout.strip()
+    if queued or len(list((folder / "parts").glob("*.exr"))) == options.parts:
+        return False
+    run("scancel", (folder / "slurm_jobs.txt").read_text().split()[-1], check=False)
+    return True
+
+
 def kill_slurm(options, cluster, folder, counts):
     job = Job(options, folder)
     wanted = sum(counts.values()) + options.slurm_kills
@@ -236,11 +245,15 @@ def kill_slurm(options, cluster, folder, counts):
             if sum(counts.values()) < wanted:
                 kill_once(cluster, job, number, down, counts)
             hurry(number)
+            if given_up(options, folder, number):
+                break
             if time.monotonic() > deadline:
                 sys.exit("lost: " + run(options.lucerna, "farm", folder, "--status",
                                         check=False).stdout)
         for node in down:
             cluster.start_node(node)
+        if not (folder / "scene.png").exists():
+            continue
         while run("squeue", "--noheader").stdout:
             time.sleep(0.2)
         job.check()
