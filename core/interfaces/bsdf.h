@@ -7,13 +7,12 @@
 /// swaps wi and wo and includes the cosine).
 #pragma once
 
-#include "core/interfaces/lanes.h"
+#include "core/interfaces/batch/bsdf_batch.h"
 #include "core/interfaces/scattering.h"
 #include "core/interfaces/texture.h"
 #include "core/plugin/plugin.h"
 
 #include <optional>
-#include <span>
 
 namespace lucerna {
 
@@ -35,13 +34,6 @@ public:
     virtual std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float u_lobe,
                                              Vector2 u, TransportMode mode) const = 0;
 
-    /// The same at several points, at most `lane_count`, a lane for each. All lanes hold numbers
-    /// that are allowed; those of `out` after the last point may be left or filled with anything.
-    /// One by one unless overridden.
-    virtual void sample_lanes(std::span<const Interaction* const> at, const Vector3Lanes& wo,
-                              const FloatLanes& u_lobe, const Vector2Lanes& u, TransportMode mode,
-                              BSDFSampleLanes& out) const;
-
     /// The fraction of light that goes straight through towards `wo` as if there were no surface:
     /// the mean weight of samples of the lobe `null`.
     virtual Color transmittance(const Interaction& /*at*/, Vector3 /*wo*/) const {
@@ -58,6 +50,14 @@ public:
 
     /// Sides to which light can go: both if something is transmitted.
     Sides sides() const { return lucerna::sides(lobes()); }
+
+    /// The functions above at many points at once: made by `describe`.
+    using Batch = BSDFBatch;
+    const Batch& batch() const { return *batch_; }
+
+private:
+    friend Batch;
+    const Batch* batch_ = nullptr;
 };
 
 }  // namespace lucerna

@@ -7,7 +7,7 @@
 /// radiance in W/(m² sr).
 #pragma once
 
-#include "core/interfaces/lanes.h"
+#include "core/interfaces/batch/emitter_batch.h"
 #include "core/interfaces/light.h"
 #include "core/interfaces/texture.h"
 #include "core/math/bounds.h"
@@ -63,16 +63,18 @@ public:
     /// A particle that leaves the light; u_position and u_direction in [0, 1)².
     virtual std::optional<EmissionSample> sample_emission(const Light& light, Vector2 u_position,
                                                           Vector2 u_direction) const = 0;
-    /// The same for the first `count` lanes. All lanes of u hold numbers of [0, 1)²; those of `out`
-    /// after `count` may be left or filled with anything. One by one unless overridden.
-    virtual void sample_emission_lanes(const Light& light, const Vector2Lanes& u_position,
-                                       const Vector2Lanes& u_direction, std::size_t count,
-                                       EmissionLanes& out) const;
-
     /// Whether it asks for the `uv` of points that are sampled on its shape.
     virtual bool uses_uv() const { return true; }
 
     virtual LightBounds bounds(const Light& light) const = 0;
+
+    /// The functions above for many at once: made by `describe`.
+    using Batch = EmitterBatch;
+    const Batch& batch() const { return *batch_; }
+
+private:
+    friend Batch;
+    const Batch* batch_ = nullptr;
 };
 
 }  // namespace lucerna

@@ -17,6 +17,12 @@ struct Light {
     std::uint32_t primitive = 0;   ///< of the shape, or of the emitter if there is none
 };
 
+/// What a light sampler chose.
+struct LightChoice {
+    std::uint32_t light = 0;  ///< index into Scene::lights()
+    float pmf = 0;            ///< expected number of times that this light is drawn at this point
+};
+
 /// Light that arrives at a receiver from one sampled point or direction.
 struct LightSample {
     Vector3 wi{0};         ///< from the receiver to the light

@@ -5,8 +5,4 @@ namespace lucerna {
 
 LightSampler::~LightSampler() = default;
 
-void LightSampler::sample_batch(std::uint32_t draw, std::span<LightQuery> queries) const {
-    for (LightQuery& query : queries) query.choice = sample(*query.at, draw, query.u);
-}
-
 }  // namespace lucerna

@@ -5,25 +5,13 @@
 /// their contributions. So each light that can contribute has pmf > 0.
 #pragma once
 
+#include "core/interfaces/batch/light_sampler_batch.h"
 #include "core/interfaces/emitter.h"
 #include "core/plugin/plugin.h"
 
 #include <optional>
-#include <span>
 
 namespace lucerna {
-
-struct LightChoice {
-    std::uint32_t light = 0;  ///< index into Scene::lights()
-    float pmf = 0;            ///< expected number of times that this light is drawn at this point
-};
-
-/// A draw that is asked for, and what came of it.
-struct LightQuery {
-    const Receiver* at = nullptr;
-    float u = 0;                          ///< in [0, 1)
-    std::optional<LightChoice> choice{};  ///< empty: none
-};
 
 class LightSampler : public Object {
 public:
@@ -35,15 +23,20 @@ public:
     /// Draw number `draw` < draws() for u in [0, 1). Empty: this draw chose no light.
     virtual std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                               float u) const = 0;
-    /// Draw number `draw` at many points: the same as `sample` for each. Samplers that read much
-    /// memory let the waits for it overlap.
-    virtual void sample_batch(std::uint32_t draw, std::span<LightQuery> queries) const;
     /// Expected number of times that `light` is drawn at this point, over all draws: exactly what
     /// `sample` reports for it. A probability if there is one draw.
     virtual float pmf(const Receiver& at, std::uint32_t light) const = 0;
 
     /// Memory of the tables that it keeps [bytes]; 0 if it has none.
     virtual std::size_t bytes() const { return 0; }
+
+    /// The functions above for many at once: made by `describe`.
+    using Batch = LightSamplerBatch;
+    const Batch& batch() const { return *batch_; }
+
+private:
+    friend Batch;
+    const Batch* batch_ = nullptr;
 };
 
 }  // namespace lucerna

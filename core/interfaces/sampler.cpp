@@ -8,10 +8,4 @@ Sampler::Sampler(const Params& params)
 
 Sampler::~Sampler() = default;
 
-std::uint32_t Sampler::sample_block(std::uint64_t sequence, std::uint64_t index,
-                                    std::uint32_t dimension, Vector2 (&pairs)[block_pairs]) const {
-    pairs[0] = sample_2d(sequence, index, dimension);
-    return 1;
-}
-
 }  // namespace lucerna

@@ -5,7 +5,7 @@
 /// not depend on threads, tiles, or how often it was resumed.
 #pragma once
 
-#include "core/math/vector.h"
+#include "core/interfaces/batch/sampler_batch.h"
 #include "core/plugin/plugin.h"
 
 #include <cstdint>
@@ -28,18 +28,19 @@ public:
     virtual Vector2 sample_2d(std::uint64_t sequence, std::uint64_t index,
                               std::uint32_t dimension) const = 0;
 
-    static constexpr std::uint32_t block_pairs = 8;
-    /// The pairs at `dimension`, `dimension` + 2, …: what `sample_2d` returns for each. Returns how
-    /// many: as many as cost hardly more than one, for they may not all be asked for.
-    virtual std::uint32_t sample_block(std::uint64_t sequence, std::uint64_t index,
-                                       std::uint32_t dimension,
-                                       Vector2 (&pairs)[block_pairs]) const;
-
     /// Samples per pixel if the command line does not say.
     int sample_count() const { return sample_count_; }
 
+    /// The functions above for many at once: made by `describe`.
+    using Batch = SamplerBatch;
+    const Batch& batch() const { return *batch_; }
+
 protected:
     int sample_count_ = 0;
+
+private:
+    friend Batch;
+    const Batch* batch_ = nullptr;
 };
 
 /// The numbers of one sample, drawn one dimension after the other.
@@ -52,7 +53,8 @@ public:
     Vector2 next_2d() {
         std::uint32_t place = dimension_ - block_begin_;
         if (place >= block_size_ || place % 2 != 0) {
-            block_size_ = 2 * sampler_.sample_block(sequence_, index_, dimension_, block_);
+            block_size_ =
+                2 * sampler_.batch().sample_pairs(sampler_, sequence_, index_, dimension_, block_);
             block_begin_ = dimension_;
             place = 0;
         }
@@ -69,7 +71,7 @@ private:
     std::uint32_t dimension_ = 0;
     // Pairs that were computed ahead: first dimension, number of dimensions.
     std::uint32_t block_begin_ = 0, block_size_ = 0;
-    Vector2 block_[Sampler::block_pairs];
+    SamplerBatch::Pairs block_;
 };
 
 }  // namespace lucerna

@@ -43,18 +43,6 @@ Shape::~Shape() = default;
 
 std::optional<Hit> Shape::intersect(const Ray&) const { return {}; }
 
-void Shape::sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t count,
-                              SurfaceSampleLanes& out) const {
-    for (std::size_t i = 0; i < count; ++i) {
-        const SurfaceSample sample = sample_area(primitive, u[i]);
-        out.p.set(i, sample.p);
-        out.n.set(i, sample.n);
-        out.uv.set(i, sample.uv);
-        out.error[i] = sample.error;
-        out.pdf[i] = sample.pdf;
-    }
-}
-
 std::optional<SurfaceSample> Shape::sample_solid_angle(std::uint32_t primitive,
                                                        const Receiver& from, Vector2 u) const {
     return seen_from(from.p, sample_area(primitive, u));

@@ -6,8 +6,8 @@
 /// analytic shapes bring a function that knows no Embree.
 #pragma once
 
+#include "core/interfaces/batch/shape_batch.h"
 #include "core/interfaces/geometry.h"
-#include "core/interfaces/lanes.h"
 #include "core/interfaces/medium.h"
 #include "core/math/solid_angle.h"
 #include "core/plugin/plugin.h"
@@ -45,10 +45,6 @@ public:
     /// Uniform by area: pdf is 1 / area(primitive). u in [0, 1)². Unless `needs_sample_uv`, uv may
     /// be left out of this and all other samples.
     virtual SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const = 0;
-    /// The same for the first `count` lanes. All lanes of u hold numbers of [0, 1)²; those of `out`
-    /// after `count` may be left or filled with anything. One by one unless overridden.
-    virtual void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u,
-                                   std::size_t count, SurfaceSampleLanes& out) const;
     /// A point seen from `from`, with its density per solid angle. By area unless overridden.
     /// Empty: the primitive cannot be seen from there, or its density is not finite.
     virtual std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive,
@@ -72,6 +68,10 @@ public:
         return {.geometry = scene_index_, .primitive = primitive};
     }
 
+    /// The functions above for many at once: made by `describe`.
+    using Batch = ShapeBatch;
+    const Batch& batch() const { return *batch_; }
+
 protected:
     /// A point chosen by area, with its density per solid angle seen from `from`. Empty if that is
     /// not a density.
@@ -94,11 +94,13 @@ protected:
 
 private:
     friend class Scene;
+    friend Batch;
     // What every hit reads comes first.
     const BSDF* bsdf_ = nullptr;
     const Emitter* emitter_ = nullptr;
     std::uint32_t first_light_ = 0;
     std::uint32_t scene_index_ = PrimitiveId::none;
+    const Batch* batch_ = nullptr;
     bool flip_normals_ = false;
     bool needs_tangents_ = false;
     bool needs_sample_uv_ = true;

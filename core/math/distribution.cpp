@@ -46,6 +46,20 @@ float inside_bin(double x, int bin, int n) {
     return result;
 }
 
+/// The bin of u in [0, 1): the last with cdf[bin] <= u. Each step is a choice of two addresses and no
+/// branch, which would be mispredicted half of the time.
+PiecewiseConstant1D::Bin invert(std::span<const double> cdf, double u) {
+    u = std::clamp(u, 0.0, largest_below_one);
+    std::size_t bin = 0;
+    for (std::size_t size = cdf.size() - 1; size > 1;) {
+        const std::size_t half = size / 2;
+        bin += cdf[bin + half] <= u ? half : 0;
+        size -= half;
+    }
+    const double rest = (u - cdf[bin]) / (cdf[bin + 1] - cdf[bin]);
+    return {static_cast<int>(bin), std::min(rest, largest_below_one)};
+}
+
 /// Probability of bin i; zero for an empty distribution.
 double probability(std::span<const double> cdf, int i) {
     return cdf[static_cast<std::size_t>(i) + 1] - cdf[static_cast<std::size_t>(i)];
@@ -100,40 +114,10 @@ DiscreteDistribution::Reused DiscreteDistribution::sample_reuse(double u) const 
     return {bin.alias, std::min((rest - bin.threshold) / (1 - bin.threshold), largest_below_one)};
 }
 
-void InversionGuide::fill(std::span<const double> cdf, std::span<std::uint32_t> guide) {
-    const std::size_t bins = cdf.size() - 1;
-    std::size_t bin = 0;
-    for (std::size_t k = 0; k < guide.size(); ++k) {
-        const double u = static_cast<double>(k) / static_cast<double>(guide.size() - 1);
-        while (bin + 1 < bins && cdf[bin + 1] <= u) ++bin;
-        guide[k] = static_cast<std::uint32_t>(bin);
-    }
-}
-
-std::size_t InversionGuide::find(std::span<const double> cdf, std::span<const std::uint32_t> guide,
-                                 double u) {
-    const std::size_t cells = guide.size() - 1;
-    const auto k = std::min(static_cast<std::size_t>(u * static_cast<double>(cells)), cells - 1);
-    // The product may have been rounded up to the next cell.
-    const std::size_t first = cdf[guide[k]] <= u ? guide[k] : guide[k - 1];
-    const auto begin = cdf.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end = cdf.begin() + static_cast<std::ptrdiff_t>(guide[k + 1]) + 1;
-    return static_cast<std::size_t>(std::upper_bound(begin, end, u) - cdf.begin()) - 1;
-}
-
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const double> weights)
-    : cdf_(weights.size() + 1),
-      guide_(InversionGuide::size(weights.size())),
-      total_(cumulate(weights, std::span(cdf_))) {
-    InversionGuide::fill(cdf_, guide_);
-}
+    : cdf_(weights.size() + 1), total_(cumulate(weights, std::span(cdf_))) {}
 
-PiecewiseConstant1D::Bin PiecewiseConstant1D::sample_bin(double u) const {
-    u = std::clamp(u, 0.0, largest_below_one);
-    const std::size_t index = InversionGuide::find(cdf_, guide_, u);
-    const double rest = (u - cdf_[index]) / (cdf_[index + 1] - cdf_[index]);
-    return {static_cast<int>(index), std::min(rest, largest_below_one)};
-}
+PiecewiseConstant1D::Bin PiecewiseConstant1D::sample_bin(double u) const { return invert(cdf_, u); }
 
 PiecewiseConstant1D::Sample PiecewiseConstant1D::sample(double u) const {
     if (empty()) return {0, 0, 0};
@@ -160,18 +144,24 @@ PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int wid
     if (!std::isfinite(total_)) throw std::invalid_argument("the weights' sum overflows");
     if (empty()) return;
     const Vector2i tiles = (size_ + side - 1) / side;
+    columns_ = tiles.x;
+    const auto columns = static_cast<std::size_t>(tiles.x),
+               rows = static_cast<std::size_t>(tiles.y);
+    row_cdfs_.resize(rows * (columns + 1));
+    rows_cdf_.resize(rows + 1);
     std::vector<double> totals;
-    for (int y = 0; y < tiles.y; ++y) {
+    for (std::size_t y = 0; y < rows; ++y) {
         std::vector<double> row;
         for (int x = 0; x < tiles.x; ++x) {
-            tiles_.push_back(make_tile(weights, {x, y}, alike));
-            const Vector2i inside = cells({x, y});
+            const Vector2i index(x, static_cast<int>(y));
+            tiles_.push_back(make_tile(weights, index, alike));
+            const Vector2i inside = cells(index);
             row.push_back(static_cast<double>(tiles_.back().density) * inside.x * inside.y);
         }
-        columns_.emplace_back(row);
-        totals.push_back(columns_.back().total());
+        const std::span<double> cdf = std::span(row_cdfs_).subspan(y * (columns + 1), columns + 1);
+        totals.push_back(cumulate(std::span<const double>(row), cdf));
     }
-    rows_ = PiecewiseConstant1D(totals);
+    cumulate(std::span<const double>(totals), std::span(rows_cdf_));
 }
 
 PiecewiseConstant2D::Tile PiecewiseConstant2D::make_tile(std::span<const float> weights,
@@ -188,6 +178,7 @@ PiecewiseConstant2D::Tile PiecewiseConstant2D::make_tile(std::span<const float> 
                 scale *
                 static_cast<double>(weights[column + row * static_cast<std::size_t>(size_.x)]);
             all.density[y][x] = static_cast<float>(density);
+            all.row_sums[y] += all.density[y][x];
             sum += density;
             most = std::max(most, density);
         }
@@ -205,29 +196,24 @@ namespace {
 
 /// The bin with one of the given weights, not all zero, that lies at u in [0, 1), and what is left
 /// of u.
-template <typename Weight>
-PiecewiseConstant1D::Bin choose(int count, double total, double u, const Weight& weight) {
-    double left = u * total, chosen = 0;
-    int bin = -1;
-    for (int i = 0; i < count; ++i) {
-        const double w = weight(i);
-        if (!(w > 0)) continue;
-        if (bin >= 0) {
-            if (left < chosen) break;
-            left -= chosen;
-        }
-        bin = i;
-        chosen = w;
-    }
-    return {bin, std::clamp(left / chosen, 0.0, largest_below_one)};
+PiecewiseConstant1D::Bin choose(const float (&weights)[PiecewiseConstant2D::side], double u) {
+    constexpr int count = PiecewiseConstant2D::side;
+    double sums[count + 1] = {};
+    for (int i = 0; i < count; ++i) sums[i + 1] = sums[i] + static_cast<double>(weights[i]);
+    const double place = u * sums[count];
+    int bin = 0;
+    for (int i = 1; i < count; ++i) bin += sums[i] <= place ? 1 : 0;
+    while (!(weights[bin] > 0)) --bin;  // if `place` has been rounded up to the end
+    const double rest = (place - sums[bin]) / static_cast<double>(weights[bin]);
+    return {bin, std::clamp(rest, 0.0, largest_below_one)};
 }
 
 }  // namespace
 
 PiecewiseConstant2D::Sample PiecewiseConstant2D::sample(Vector2d u) const {
     if (empty()) return {Vector2(0), 0};
-    auto y = rows_.sample_bin(u.y);
-    auto x = columns_[static_cast<std::size_t>(y.index)].sample_bin(u.x);
+    auto y = invert(rows_cdf_, u.y);
+    auto x = invert(row(y.index), u.x);
     const Vector2i index(x.index, y.index), inside = cells(index);
     const Tile& tile = this->tile(index);
     float density = tile.density;
@@ -241,17 +227,9 @@ PiecewiseConstant2D::Sample PiecewiseConstant2D::sample(Vector2d u) const {
         split(y, inside.y);
     } else {
         const Details& details = details_[tile.details];
-        const auto row_sum = [&](int i) {
-            double sum = 0;
-            for (const float d : details.density[i]) sum += static_cast<double>(d);
-            return sum;
-        };
-        double total = 0;
-        for (int i = 0; i < side; ++i) total += row_sum(i);
-        y = choose(side, total, y.u, row_sum);
-        const auto& row = details.density[y.index];
-        x = choose(side, row_sum(y.index), x.u, [&](int i) { return static_cast<double>(row[i]); });
-        density = row[x.index];
+        y = choose(details.row_sums, y.u);
+        x = choose(details.density[y.index], x.u);
+        density = details.density[y.index][x.index];
     }
     const Vector2i cell = side * index + Vector2i(x.index, y.index);
     return {{inside_bin((cell.x + x.u) / size_.x, cell.x, size_.x),

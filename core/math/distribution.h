@@ -64,18 +64,6 @@ private:
     double total_ = 0;
 };
 
-/// Where to begin the search of a cumulative distribution: entry k is the bin in which
-/// u = k / (entries − 1) lies, so that a few bins are left to look at (Chen and Asau 1974).
-class InversionGuide {
-public:
-    static std::size_t size(std::size_t bins) { return bins / 4 + 2; }
-    /// Fills a guide of `size(bins)` entries.
-    static void fill(std::span<const double> cdf, std::span<std::uint32_t> guide);
-    /// The bin of u in [0, 1): the last with cdf[bin] <= u.
-    static std::size_t find(std::span<const double> cdf, std::span<const std::uint32_t> guide,
-                            double u);
-};
-
 /// A density on [0, 1] that is constant in each of n equal bins.
 class PiecewiseConstant1D {
 public:
@@ -107,7 +95,6 @@ public:
 
 private:
     std::vector<double> cdf_;
-    std::vector<std::uint32_t> guide_;
     double total_ = 0;
 };
 
@@ -144,21 +131,27 @@ private:
         float density = 0;             ///< mean of its cells
         std::uint32_t details = none;  ///< index of its cells, if they differ
     };
-    struct alignas(64) Details {
+    struct alignas(32) Details {
+        float row_sums[side] = {};
         float density[side][side] = {};  ///< zero beyond the grid
     };
 
     const Tile& tile(Vector2i index) const {
         return tiles_[static_cast<std::size_t>(index.x) +
-                      static_cast<std::size_t>(index.y) *
-                          static_cast<std::size_t>(columns_.front().size())];
+                      static_cast<std::size_t>(index.y) * static_cast<std::size_t>(columns_)];
+    }
+    /// Cumulative distribution of the tiles of a row.
+    std::span<const double> row(int y) const {
+        const auto size = static_cast<std::size_t>(columns_) + 1;
+        return std::span(row_cdfs_).subspan(static_cast<std::size_t>(y) * size, size);
     }
     /// The cells of a tile that are part of the grid.
     Vector2i cells(Vector2i tile) const { return glm::min(size_ - side * tile, Vector2i(side)); }
     Tile make_tile(std::span<const float> weights, Vector2i index, double alike);
 
-    PiecewiseConstant1D rows_;                  ///< of tiles
-    std::vector<PiecewiseConstant1D> columns_;  ///< of the tiles in each row
+    int columns_ = 0;               ///< of tiles
+    std::vector<double> rows_cdf_;  ///< of the rows of tiles
+    std::vector<double> row_cdfs_;  ///< of the tiles in each row, one behind the other
     std::vector<Tile> tiles_;
     std::vector<Details> details_;
     Vector2i size_{0};

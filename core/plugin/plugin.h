@@ -48,7 +48,11 @@ constexpr PluginInfo describe(const char* summary) {
             .abi = lucerna_contract_abi,
             .kind = T::kind,
             .summary = summary,
-            .create = [](const Params& params) -> Object* { return new T(params); }};
+            .create = [](const Params& params) -> Object* {
+                T* const object = new T(params);
+                if constexpr (requires { typename T::Batch; }) T::Batch::attach(*object);
+                return object;
+            }};
 }
 
 }  // namespace lucerna

@@ -2,8 +2,8 @@
 /// Rays together with the answers to what is asked about them, so that many are traced at once.
 #pragma once
 
+#include "core/interfaces/batch/lanes.h"
 #include "core/interfaces/interaction.h"
-#include "core/interfaces/lanes.h"
 
 #include <optional>
 
@@ -22,7 +22,7 @@ struct ShadowPacket {
     FloatLanes tmax;
     PrimitiveId source[lane_count];  ///< does not block the ray, nor does `target`
     PrimitiveId target[lane_count];
-    bool open[lane_count];  ///< in: the ray is to be traced; out: and nothing blocks it
+    LaneMask open;  ///< in: the ray is to be traced; out: and nothing blocks it
 };
 
 }  // namespace lucerna

@@ -5,6 +5,7 @@
 ///
 /// Only the front reflects; `twosided` adds the back.
 #include "core/interfaces/bsdf.h"
+#include "core/math/select.h"
 #include "core/math/warp.h"
 
 namespace lucerna {
@@ -13,6 +14,20 @@ namespace {
 LUCERNA_VECTORIZED void sample_cosine(const Vector2Lanes& __restrict u,
                                       Vector3Lanes& __restrict wi) {
     for (std::size_t i = 0; i < lane_count; ++i) wi.set(i, square_to_cosine_hemisphere(u[i]));
+}
+
+LUCERNA_VECTORIZED void evaluate_cosine(const Vector3Lanes& __restrict reflectance,
+                                        const FloatLanes& __restrict wo_z,
+                                        const FloatLanes& __restrict wi_z,
+                                        BSDFValueLanes& __restrict out) {
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const bool lit = (wo_z[i] > 0) & (wi_z[i] > 0);
+        const float density = wi_z[i] * inv_pi;
+        out.f.x[i] = select(lit, reflectance.x[i] * inv_pi, 0.0f);
+        out.f.y[i] = select(lit, reflectance.y[i] * inv_pi, 0.0f);
+        out.f.z[i] = select(lit, reflectance.z[i] * inv_pi, 0.0f);
+        out.pdf[i] = select(lit, density, 0.0f);
+    }
 }
 
 class Diffuse final : public BSDF {
@@ -40,9 +55,22 @@ public:
                           .lobe = Lobe::diffuse_reflection};
     }
 
-    void sample_lanes(std::span<const Interaction* const> at, const Vector3Lanes& wo,
-                      const FloatLanes&, const Vector2Lanes& u, TransportMode,
-                      BSDFSampleLanes& out) const override {
+    void evaluate_lanes(Batch::Points at, const LaneMask& wanted, const Vector3Lanes& wo,
+                        const Vector3Lanes& wi, TransportMode, BSDFValueLanes& out) const {
+        Vector3Lanes reflectance{};
+        const Interaction* last = nullptr;
+        Color here(0);
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            if (!wanted[i]) continue;
+            if (at[i] != last) here = reflectance_(at[i]->uv);
+            last = at[i];
+            reflectance.set(i, here);
+        }
+        evaluate_cosine(reflectance, wo.z, wi.z, out);
+    }
+
+    void sample_lanes(Batch::Points at, const Vector3Lanes& wo, const FloatLanes&,
+                      const Vector2Lanes& u, TransportMode, BSDFSampleLanes& out) const {
         sample_cosine(u, out.wi);
         for (std::size_t i = 0; i < at.size(); ++i) {
             out.weight.set(i, reflectance_(at[i]->uv));

@@ -78,9 +78,9 @@ public:
 
     void sample_emission_lanes(const Light& light, const Vector2Lanes& u_position,
                                const Vector2Lanes& u_direction, std::size_t count,
-                               EmissionLanes& out) const override {
+                               EmissionLanes& out) const {
         SurfaceSampleLanes at;
-        light.shape->sample_area_lanes(light.primitive, u_position, count, at);
+        light.shape->batch().sample_area(*light.shape, light.primitive, u_position, count, at);
         leave_surface(at, u_direction, out);
         for (std::size_t i = 0; i < count; ++i) {
             const Color radiance = radiance_.texture ? radiance_(at.uv[i]) : radiance_.constant;

@@ -64,7 +64,7 @@ public:
 
     void sample_emission_lanes(const Light&, const Vector2Lanes& u_position,
                                const Vector2Lanes& u_direction, std::size_t count,
-                               EmissionLanes& out) const override {
+                               EmissionLanes& out) const {
         enter_sphere(sphere_, u_position, u_direction, out);
         const Color power = radiance_ * (4 * pi * sphere_.cross_section());
         for (std::size_t i = 0; i < count; ++i) out.power.set(i, power);

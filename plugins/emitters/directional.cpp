@@ -69,7 +69,7 @@ public:
     }
 
     void sample_emission_lanes(const Light&, const Vector2Lanes& u_position, const Vector2Lanes&,
-                               std::size_t count, EmissionLanes& out) const override {
+                               std::size_t count, EmissionLanes& out) const {
         enter_sphere(sphere_, direction_, u_position, out);
         const Color power = irradiance_ * sphere_.cross_section();
         for (std::size_t i = 0; i < count; ++i) out.power.set(i, power);

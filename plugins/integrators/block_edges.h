@@ -2,28 +2,75 @@
 /// The edges from sixteen first vertices of paths to one second vertex, computed together.
 #pragma once
 
-#include "core/interfaces/lanes.h"
+#include "core/interfaces/batch/lanes.h"
 #include "core/math/rounding.h"
 #include "core/scene/ray_queries.h"
 #include "plugins/integrators/light_sampling.h"
 
+#include <vector>
+
 namespace lucerna {
 
 /// First vertices, one array to each number. Vertices that are not set are joined to nothing.
-struct FirstVertices {
-    Vector3Lanes p{}, n{}, frame_s{}, frame_t{}, frame_n{};
-    FloatLanes error{};
-    PrimitiveId source[lane_count];
-
-    void set(std::size_t i, const Interaction& at) {
+class FirstVertices {
+public:
+    void set(std::size_t i, const LitSurface& vertex) {
+        const Interaction& at = vertex.at;
         p.set(i, at.p);
         n.set(i, at.n);
         frame_s.set(i, at.shading.s);
         frame_t.set(i, at.shading.t);
         frame_n.set(i, at.shading.n);
+        wo_local.set(i, vertex.wo_local);
         error[i] = at.error;
         source[i] = at.source;
+        if (materials_.empty()) points_.fill(&at);
+        points_[i] = &at;
+        add_to_material(i, vertex.bsdf);
     }
+
+    /// Values of the BSDFs at the vertices for the directions `wi` (local), in the lanes that are
+    /// wanted.
+    void evaluate(const LaneMask& wanted, const Vector3Lanes& wi, BSDFValueLanes& out) const {
+        constexpr TransportMode mode = TransportMode::radiance;
+        if (materials_.size() == 1) {
+            const BSDF& bsdf = *materials_.front().bsdf;
+            return bsdf.batch().evaluate(bsdf, points_, wanted, wo_local, wi, mode, out);
+        }
+        for (const Material& material : materials_) {
+            LaneMask own;
+            for (std::size_t i = 0; i < lane_count; ++i) own[i] = wanted[i] & material.lanes[i];
+            BSDFValueLanes values;
+            material.bsdf->batch().evaluate(*material.bsdf, points_, own, wo_local, wi, mode,
+                                            values);
+            for (std::size_t i = 0; i < lane_count; ++i) {
+                if (own[i]) out.set(i, {.f = values.f[i], .pdf = values.pdf[i]});
+            }
+        }
+    }
+
+    Vector3Lanes p{}, n{}, frame_s{}, frame_t{}, frame_n{};
+    Vector3Lanes wo_local{};  ///< towards the camera
+    FloatLanes error{};
+    PrimitiveId source[lane_count];
+
+private:
+    struct Material {
+        const BSDF* bsdf;
+        LaneMask lanes;
+    };
+
+    void add_to_material(std::size_t i, const BSDF& bsdf) {
+        auto material = std::find_if(materials_.begin(), materials_.end(),
+                                     [&](const Material& m) { return m.bsdf == &bsdf; });
+        if (material == materials_.end()) {
+            material = materials_.insert(material, {.bsdf = &bsdf, .lanes = {}});
+        }
+        material->lanes[i] = true;
+    }
+
+    std::array<const Interaction*, lane_count> points_;  ///< all valid once one is set
+    std::vector<Material> materials_;
 };
 
 /// From each x to y; wi points to y.

@@ -111,7 +111,7 @@ struct LitSurface {
 /// sampling the chosen ones will read is on its way.
 inline void choose_lights(const Scene& scene, const LightSampler& sampler, std::uint32_t draw,
                           std::span<LightQuery> queries) {
-    sampler.sample_batch(draw, queries);
+    sampler.batch().sample(sampler, draw, queries);
     const std::span<const Light> lights = scene.lights();
     constexpr std::size_t few = 1024;
     if (lights.size() < few) return;

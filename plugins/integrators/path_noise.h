@@ -5,7 +5,7 @@
 /// With n light samples and blocks of m pixels, the variance and the time of a sample are about
 ///
 ///     V = V_own − V_light + V_light / n + V_shared m^−0.6
-///     T = T_path + (n − 1) T_light + (m − 1) T_join
+///     T = T_path + (n − 1) T_light + T_keep + ⌈m / 16⌉ T_join             (T_path alone if m = 1)
 ///
 /// V_own is that of all light that is not shared, V_light its part from the choice of points on
 /// lights at the first vertex. Shared light gains less than m^−1, as the paths of a block have more
@@ -31,11 +31,14 @@ struct PathNoise {
 
     /// Variance times time.
     double inefficiency(int light_samples, int block_size) const {
-        constexpr double light_rays = 1.5, join_rays = 0.14;  // shading included
+        // Shading included; a path is joined to sixteen pixels at a time.
+        constexpr double light_rays = 1.5, keep_rays = 1.3, join_rays = 1.8;
         const double pixels = sqr(static_cast<double>(block_size));
         const double variance =
             std::max(own - light, 0.0) + light / light_samples + shared * std::pow(pixels, -0.6);
-        const double time = rays + (light_samples - 1) * light_rays + (pixels - 1) * join_rays;
+        const double groups = std::ceil(pixels / static_cast<double>(lane_count));
+        const double sharing = block_size > 1 ? keep_rays + groups * join_rays : 0.0;
+        const double time = rays + (light_samples - 1) * light_rays + sharing;
         return variance * time;
     }
 };
@@ -50,7 +53,7 @@ inline PathSplitting best_splitting(const PathNoise& noise, PathSplitting given)
     PathSplitting best{.light_samples = 1, .block_size = 1};
     double least = std::numeric_limits<double>::infinity();
     for (const int light_samples : {1, 2, 4, 8}) {
-        for (const int block_size : {1, 2, 4, 8}) {
+        for (const int block_size : {1, 4, 8}) {
             const PathSplitting tried{
                 .light_samples = given.light_samples ? given.light_samples : light_samples,
                 .block_size = given.block_size ? given.block_size : block_size};
@@ -132,7 +135,7 @@ PathNoise PathNoiseMeter::measure_with(int light_samples, Trace&& trace) const {
             return total;
         };
         const double own = sum();
-        for (const ReusablePath& path : kept) reuse_paths(scene_, {&path, 1});
+        for (const ReusablePath& path : kept) add_alone(path);
         return Sums{.own = own, .shared = sum() - own};
     };
     Workers(scene_.threads()).run(pixel_count, [&](std::int64_t i) {

@@ -48,143 +48,221 @@ struct ReusablePath {
     float next_pdf = 0;         ///< [1/sr]; 0: by a delta lobe, or nowhere
     Color next_radiance{0};     ///< that arrives from there, but for emission
     Color* radiance = nullptr;  ///< of the camera sample
+
+    /// Something is reflected at the second vertex.
+    bool goes_on() const { return next_pdf > 0 && !is_black(next_radiance); }
+    bool shines() const { return second && (!lights.empty() || goes_on()); }
 };
 
-/// How a first vertex is joined to a second one.
-struct Junction {
-    Color transfer{0};       ///< f |cos θ_x| |cos θ_y| / d² [1/(sr m²)]
-    float density = 0;       ///< [1/m²]; 0: not joined
-    Vector3 wo_local;        ///< at the second vertex, to the first
-    Color next_f_cosine{0};  ///< for the direction in which the path goes on
-    float next_pdf = 0;      ///< of that direction [1/sr]
-    std::size_t path = 0;    ///< of the block, whose first vertex it is
+/// Values at the second vertex of a path, whose lights and next direction are the same for all.
+class SecondVertex {
+public:
+    explicit SecondVertex(const LitSurface& y) : y_(y) { points_.fill(&y.at); }
+
+    /// For light from `wi` towards each `wo` (local), in the lanes that are wanted.
+    void evaluate(const LaneMask& wanted, const Vector3Lanes& wo, Vector3 wi,
+                  BSDFValueLanes& out) const {
+        Vector3Lanes same;
+        for (std::size_t i = 0; i < lane_count; ++i) same.set(i, wi);
+        y_.bsdf.batch().evaluate(y_.bsdf, points_, wanted, wo, same, TransportMode::radiance, out);
+    }
+
+private:
+    const LitSurface& y_;
+    std::array<const Interaction*, lane_count> points_;
 };
 
-/// The edge that a path went itself; its density is 0 if others cannot go to its second vertex.
-inline Junction own_junction(const ReusablePath& path, std::size_t index) {
+/// How sixteen first vertices are joined to one second vertex.
+struct Junctions {
+    LaneMask joined{};
+    Vector3Lanes transfer{};  ///< f |cos θ_x| |cos θ_y| / d² [1/(sr m²)]
+    FloatLanes density{};     ///< [1/m²]; 0: not joined
+    Vector3Lanes wo_local{};  ///< at the second vertex, to the first
+    BSDFValueLanes next{};    ///< there, for the direction in which the path goes on; f |cos θ|
+
+    /// `values`: of the BSDFs at the first vertices.
+    LUCERNA_VECTORIZED_INLINE void set_transfer(const BSDFValueLanes& values, const Edges& edges) {
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            const float geometry = edges.geometry[i];
+            const float factor = std::abs(edges.wi_local.z[i]) * geometry;
+            density[i] = values.pdf[i] * geometry;
+            transfer.set(i, values.f[i] * factor);
+            wo_local.set(i, edges.wo_local[i]);
+        }
+    }
+    void keep_joined(const LaneMask& open) {
+        joined = open;
+        for (std::size_t i = 0; i < lane_count; ++i) density[i] = open[i] ? density[i] : 0.0f;
+    }
+};
+
+/// Light that a second vertex reflects to sixteen first ones, divided by the densities.
+struct ReflectedLanes {
+    Vector3Lanes radiance{};
+
+    /// `values`: of the BSDF there for the light's direction. Weighted by the power heuristic.
+    LUCERNA_VECTORIZED_INLINE void add(const ReusedLight& light, const BSDFValueLanes& values,
+                                       float density) {
+        const Color irradiance = light.irradiance / density;
+        const float light_pdf = light.density, bsdf_counts = light.delta ? 0.0f : 1.0f;
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            const float pdf = values.pdf[i] * bsdf_counts;
+            const float ratio = std::min(light_pdf, pdf) / std::max(light_pdf, pdf);
+            const float lesser = ratio * ratio / (1 + ratio * ratio);
+            const float weight = light_pdf > pdf ? 1 - lesser : lesser;
+            radiance.set(i, radiance[i] + values.f[i] * irradiance * weight);
+        }
+    }
+
+    LUCERNA_VECTORIZED_INLINE void add_next(const BSDFValueLanes& f_cosine, Color arriving,
+                                            float density) {
+        const Color each = arriving / density;
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            radiance.set(i, radiance[i] + f_cosine.f[i] * each);
+        }
+    }
+};
+
+/// The paths of one block.
+class PathBlock {
+public:
+    PathBlock(const Scene& scene, std::span<const ReusablePath> paths);
+
+    /// Counts what path `j` finds behind its second vertex for all of the block.
+    void share(std::size_t j);
+    /// Adds what all have found to the samples.
+    void finish() const;
+
+private:
+    /// Sixteen paths.
+    struct Group {
+        FirstVertices vertices;
+        Junctions junctions;
+        Vector3Lanes radiance{};
+    };
+
+    void join(Group& group, std::size_t j);
+    void set_own(Junctions& junctions, const ReusablePath& path, std::size_t lane, float density);
+    void collect(Group& group, std::size_t j, float density, float next_density);
+
+    const Scene& scene_;
+    std::span<const ReusablePath> paths_;
+    std::vector<Group> groups_;
+    Edges edges_{};
+    BSDFValueLanes values_{};
+};
+
+inline PathBlock::PathBlock(const Scene& scene, std::span<const ReusablePath> paths)
+    : scene_(scene), paths_(paths), groups_((paths.size() + lane_count - 1) / lane_count) {
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+        if (paths[k].first) groups_[k / lane_count].vertices.set(k % lane_count, *paths[k].first);
+    }
+}
+
+/// Density per area of the second vertex [1/m²]; 0 if others cannot go there.
+inline float own_density(const ReusablePath& path) {
     const LitSurface& y = *path.second;
     const Vector3 d = y.at.p - path.first->at.p;
     const float distance2 = glm::dot(d, d);
     const float density =
         path.to_second.pdf * std::abs(glm::dot(d / std::sqrt(distance2), y.at.n)) / distance2;
-    Junction result;
-    result.path = index;
-    result.wo_local = y.wo_local;
-    if (is_usable_density(density)) result.density = density;
-    result.transfer = path.to_second.weight * result.density;
-    result.next_f_cosine = path.next_f_cosine;
-    result.next_pdf = path.next_pdf;
-    return result;
+    return is_usable_density(density) ? density : 0;
 }
 
-/// Finds all first vertices of the block from which the second vertex of a path is seen.
-class BlockJoiner {
-public:
-    BlockJoiner(const Scene& scene, std::span<const ReusablePath> block);
-
-    /// Valid until the next call.
-    std::span<const Junction> join_to(std::size_t j);
-
-private:
-    void join(std::size_t group, std::size_t j);
-
-    const Scene& scene_;
-    std::span<const ReusablePath> block_;
-    std::vector<FirstVertices> groups_;
-    Edges edges_;
-    std::vector<Junction> junctions_;
-};
-
-inline BlockJoiner::BlockJoiner(const Scene& scene, std::span<const ReusablePath> block)
-    : scene_(scene), block_(block), groups_((block.size() + lane_count - 1) / lane_count) {
-    for (std::size_t k = 0; k < block.size(); ++k) {
-        if (block[k].first) groups_[k / lane_count].set(k % lane_count, block[k].first->at);
-    }
-    junctions_.reserve(block.size());
-}
-
-inline std::span<const Junction> BlockJoiner::join_to(std::size_t j) {
-    junctions_.clear();
-    Junction own = own_junction(block_[j], j);
-    const bool shared = own.density > 0;
-    if (!shared) {
-        own.transfer = block_[j].to_second.weight;
-        own.density = 1;
-    }
-    junctions_.push_back(own);
-    for (std::size_t group = 0; shared && group < groups_.size(); ++group) join(group, j);
-    return junctions_;
-}
-
-/// What the second vertex of `path` does with the light of the direction in which the path goes on.
-inline void scatter_next(const ReusablePath& path, Junction& junction) {
-    const LitSurface& y = *path.second;
-    const BSDFValue next =
-        y.bsdf.evaluate(y.at, junction.wo_local, path.next_local, TransportMode::radiance);
-    junction.next_f_cosine = next.f * abs_cos_theta(path.next_local);
-    junction.next_pdf = next.pdf;
-}
-
-inline void BlockJoiner::join(std::size_t group, std::size_t j) {
-    const ReusablePath& path = block_[j];
-    find_edges(groups_[group], *path.second, edges_);
-    ShadowPacket& rays = edges_.rays;
-    if (group == j / lane_count) rays.open[j % lane_count] = false;
-    BSDFValue values[lane_count];
-    for (std::size_t i = 0; i < lane_count; ++i) {
-        if (!rays.open[i]) continue;
-        const LitSurface& x = *block_[group * lane_count + i].first;
-        values[i] = x.bsdf.evaluate(x.at, x.wo_local, edges_.wi_local[i], TransportMode::radiance);
-        rays.open[i] = is_usable_density(values[i].pdf * edges_.geometry[i]);
-    }
-    scene_.occluded(rays);
-    for (std::size_t i = 0; i < lane_count; ++i) {
-        if (!rays.open[i]) continue;
-        Junction& junction = junctions_.emplace_back();
-        const float geometry = edges_.geometry[i];
-        junction.path = group * lane_count + i;
-        junction.wo_local = edges_.wo_local[i];
-        junction.density = values[i].pdf * geometry;
-        junction.transfer = values[i].f * (std::abs(edges_.wi_local.z[i]) * geometry);
-        if (path.next_pdf > 0) scatter_next(path, junction);
-    }
-}
-
-/// Light of the light samples that the second vertex of a path reflects to a first one.
-inline Color reflected_lights(const ReusablePath& path, const Junction& junction, bool own) {
-    const LitSurface& y = *path.second;
+/// Adds what a path finds behind its second vertex to its own sample only.
+inline void add_alone(const ReusablePath& path) {
+    if (!path.shines()) return;
     Color sum(0);
     for (const ReusedLight& light : path.lights) {
-        const BSDFValue value =
-            own ? light.own
-                : y.bsdf.evaluate(y.at, junction.wo_local, light.wi_local, TransportMode::radiance);
-        const float weight = light.delta ? 1 : power_heuristic(light.density, value.pdf);
-        sum += value.f * light.irradiance * weight;
+        const float weight = light.delta ? 1 : power_heuristic(light.density, light.own.pdf);
+        sum += light.own.f * light.irradiance * weight;
     }
-    return sum;
+    if (path.goes_on()) sum += path.next_f_cosine * path.next_radiance / path.next_pdf;
+    *path.radiance += path.to_second.weight * sum;
+}
+
+inline void PathBlock::share(std::size_t j) {
+    const ReusablePath& path = paths_[j];
+    if (!path.shines()) return;
+    const float own = own_density(path);
+    if (!(own > 0)) return add_alone(path);
+    float density = 0, next_density = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        Junctions& junctions = groups_[g].junctions;
+        join(groups_[g], j);
+        if (g == j / lane_count) set_own(junctions, path, j % lane_count, own);
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            density += junctions.density[i];
+            next_density += junctions.density[i] * junctions.next.pdf[i];
+        }
+    }
+    for (Group& group : groups_) collect(group, j, density, next_density);
+}
+
+/// Finds the first vertices from which the second vertex of a path is seen, but for its own.
+inline void PathBlock::join(Group& group, std::size_t j) {
+    const ReusablePath& path = paths_[j];
+    Junctions& junctions = group.junctions;
+    find_edges(group.vertices, *path.second, edges_);
+    ShadowPacket& rays = edges_.rays;
+    if (&group == &groups_[j / lane_count]) rays.open[j % lane_count] = false;
+    group.vertices.evaluate(rays.open, edges_.wi_local, values_);
+    junctions.set_transfer(values_, edges_);
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        rays.open[i] &= is_usable_density(junctions.density[i]);
+    }
+    scene_.occluded(rays);
+    junctions.keep_joined(rays.open);
+    if (!path.goes_on()) return;
+    SecondVertex(*path.second)
+        .evaluate(junctions.joined, junctions.wo_local, path.next_local, junctions.next);
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        junctions.next.f.set(i, junctions.next.f[i] * abs_cos_theta(path.next_local));
+    }
+}
+
+inline void PathBlock::set_own(Junctions& junctions, const ReusablePath& path, std::size_t lane,
+                               float density) {
+    junctions.joined[lane] = true;
+    junctions.density[lane] = density;
+    junctions.transfer.set(lane, path.to_second.weight * density);
+    junctions.wo_local.set(lane, path.second->wo_local);
+    junctions.next.set(lane, {.f = path.next_f_cosine, .pdf = path.next_pdf});
+}
+
+inline void PathBlock::collect(Group& group, std::size_t j, float density, float next_density) {
+    const ReusablePath& path = paths_[j];
+    const Junctions& junctions = group.junctions;
+    const SecondVertex second(*path.second);
+    ReflectedLanes reflected;
+    for (const ReusedLight& light : path.lights) {
+        second.evaluate(junctions.joined, junctions.wo_local, light.wi_local, values_);
+        if (&group == &groups_[j / lane_count]) values_.set(j % lane_count, light.own);
+        reflected.add(light, values_, density);
+    }
+    if (path.goes_on() && next_density > 0) {
+        reflected.add_next(junctions.next, path.next_radiance, next_density);
+    }
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        if (!junctions.joined[i]) continue;
+        const Color found = junctions.transfer[i] * reflected.radiance[i];
+        group.radiance.set(i, group.radiance[i] + found);
+    }
+}
+
+inline void PathBlock::finish() const {
+    for (std::size_t k = 0; k < paths_.size(); ++k) {
+        if (paths_[k].radiance) {
+            *paths_[k].radiance += groups_[k / lane_count].radiance[k % lane_count];
+        }
+    }
 }
 
 /// Adds to all samples of a block what their paths find behind the second vertices.
-inline void reuse_paths(const Scene& scene, std::span<const ReusablePath> block) {
-    BlockJoiner joiner(scene, block);
-    for (std::size_t j = 0; j < block.size(); ++j) {
-        const ReusablePath& path = block[j];
-        const bool goes_on = path.next_pdf > 0 && !is_black(path.next_radiance);
-        if (!path.second || (path.lights.empty() && !goes_on)) continue;
-        const std::span<const Junction> junctions = joiner.join_to(j);
-        float density = 0, next_density = 0;
-        for (const Junction& junction : junctions) {
-            density += junction.density;
-            next_density += junction.density * junction.next_pdf;
-        }
-        for (const Junction& junction : junctions) {
-            Color sum = reflected_lights(path, junction, junction.path == j) / density;
-            if (goes_on && next_density > 0) {
-                sum += junction.next_f_cosine * path.next_radiance / next_density;
-            }
-            *block[junction.path].radiance += junction.transfer * sum;
-        }
-    }
+inline void reuse_paths(const Scene& scene, std::span<const ReusablePath> paths) {
+    PathBlock block(scene, paths);
+    for (std::size_t j = 0; j < paths.size(); ++j) block.share(j);
+    block.finish();
 }
 
 }  // namespace lucerna

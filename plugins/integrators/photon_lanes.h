@@ -2,7 +2,7 @@
 /// Photons that one material scatters together.
 #pragma once
 
-#include "core/interfaces/lanes.h"
+#include "core/interfaces/batch/lanes.h"
 #include "core/math/select.h"
 
 namespace lucerna {

@@ -263,8 +263,8 @@ inline std::uint64_t PhotonTracer::emit(const PhotonPass& pass, std::uint64_t be
         wavefront.u_direction.set(i, numbers.direction());
     }
     EmissionLanes emitted;
-    light.emitter->sample_emission_lanes(light, wavefront.u_position, wavefront.u_direction, count,
-                                         emitted);
+    light.emitter->batch().sample_emission(*light.emitter, light, wavefront.u_position,
+                                           wavefront.u_direction, count, emitted);
     const float scale = 1 / static_cast<float>(choice.pmf);
     for (std::size_t i = 0; i < count; ++i) {
         PhotonPath& path = *paths[i];
@@ -322,8 +322,8 @@ inline void PhotonTracer::scatter(const PhotonPass& pass, MaterialQueue& queue,
         lanes.set(i, *at[i], path.ray.d, path.power);
     }
     lanes.look_back(queue.count);
-    queue.bsdf->sample_lanes({at.data(), queue.count}, lanes.wo, lanes.u_lobe, lanes.u_direction,
-                             TransportMode::importance, lanes.next);
+    queue.bsdf->batch().sample(*queue.bsdf, {at.data(), queue.count}, lanes.wo, lanes.u_lobe,
+                               lanes.u_direction, TransportMode::importance, lanes.next);
     lanes.scatter(queue.count);
     for (std::size_t i = 0; i < queue.count; ++i) {
         PhotonPath& path = *queue.paths[i];

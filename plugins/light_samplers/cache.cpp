@@ -69,7 +69,7 @@ public:
     std::uint32_t draws() const override { return lights_.count() > 0 ? draws_ : 0; }
     std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
                                       float u) const override;
-    void sample_batch(std::uint32_t draw, std::span<LightQuery> queries) const override;
+    void sample_many(std::uint32_t draw, std::span<LightQuery> queries) const;
     float pmf(const Receiver& at, std::uint32_t light) const override;
     std::size_t bytes() const override {
         std::size_t sum = lights_.tree.bytes() + lights_.every.bytes() + grid_.bytes();
@@ -394,8 +394,13 @@ std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::ui
     return end(one);
 }
 
-void CacheLightSampler::sample_batch(std::uint32_t draw, std::span<LightQuery> queries) const {
-    if (only_) return LightSampler::sample_batch(draw, queries);
+void CacheLightSampler::sample_many(std::uint32_t draw, std::span<LightQuery> queries) const {
+    if (only_) {
+        for (LightQuery& query : queries) {
+            query.choice = LightChoice{*only_, static_cast<float>(draws_)};
+        }
+        return;
+    }
     if (everywhere_) {
         for (LightQuery& query : queries) {
             query.choice =
@@ -405,7 +410,7 @@ void CacheLightSampler::sample_batch(std::uint32_t draw, std::span<LightQuery> q
     }
     constexpr std::size_t most = 16;  // whose nodes stay in the first cache
     for (; queries.size() > most; queries = queries.subspan(most)) {
-        sample_batch(draw, queries.first(most));
+        sample_many(draw, queries.first(most));
     }
     const LightCell* cells[most];
     for (std::size_t i = 0; i < queries.size(); ++i) {

@@ -95,8 +95,8 @@ private:
         return key;
     }
 
-    /// The one of six axes that is nearest to the normal, 6 if light arrives from both sides, or 7 in
-    /// a medium.
+    /// The one of six axes that is nearest to the normal, 6 if light arrives from both sides, or
+    /// 7 in a medium.
     static std::uint64_t face(const Receiver& at) {
         if (!at.has_normal()) return 7;
         if (at.sides == Sides::both) return 6;

@@ -17,8 +17,9 @@ inline std::uint64_t hash_of(Vector3 p, std::uint64_t salt) {
     return mix64(key);
 }
 
-/// `p`, moved along the surface, or anywhere in a medium, by up to `reach` / 2 in each direction. Where to follows from a
-/// hash of `place`: `p` in a unit of length of the scene, so that units do not matter.
+/// `p`, moved along the surface, or anywhere in a medium, by up to `reach` / 2 in each direction.
+/// Where to follows from a hash of `place`: `p` in a unit of length of the scene, so that units do
+/// not matter.
 inline Vector3 jittered(const Receiver& at, Vector3 place, float reach) {
     const std::uint64_t bits = hash_of(place, 0x6a09e667);
     const float u = static_cast<float>(bits >> 40) * 0x1p-24f - 0.5f;

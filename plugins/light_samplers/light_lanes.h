@@ -23,8 +23,9 @@ namespace lucerna {
 /// A spread with which every cosine at the receiver is 1.
 inline constexpr float facing_spread = 4;
 
-/// A receiver, as lights see it; one in a medium faces all of them. With `slack` it stands for all points and with `spread` for all
-/// normals of a region: its radius, and the sine of the largest angle to the normal.
+/// A receiver, as lights see it; one in a medium faces all of them. With `slack` it stands for all
+/// points and with `spread` for all normals of a region: its radius, and the sine of the largest
+/// angle to the normal.
 struct ReceiverRegion {
     Vector3 p{0}, n{0}, ns{0};
     float two_sided = 0;  ///< 1: light arrives at both sides

@@ -70,7 +70,7 @@ alignas(32) constexpr ColumnsOfPairs columns;
 class SobolSampler final : public SeededSampler {
 public:
     explicit SobolSampler(const Params& params) : SeededSampler(params) {
-        static_assert(sobol_pairs == block_pairs);
+        static_assert(sobol_pairs == Batch::most_pairs);
     }
 
     float sample_1d(std::uint64_t sequence, std::uint64_t index,
@@ -80,18 +80,18 @@ public:
 
     Vector2 sample_2d(std::uint64_t sequence, std::uint64_t index,
                       std::uint32_t dimension) const override {
-        Vector2 points[block_pairs];
+        Batch::Pairs points;
         group_points(sequence, index, dimension, points);
         return points[pair_of(dimension)];
     }
 
-    std::uint32_t sample_block(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
-                               Vector2 (&pairs)[block_pairs]) const override {
-        Vector2 points[block_pairs];
+    std::uint32_t sample_pairs(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
+                               Batch::Pairs& pairs) const {
+        Batch::Pairs points;
         group_points(sequence, index, dimension, points);
         const std::uint32_t first = pair_of(dimension);
-        std::copy(points + first, points + block_pairs, pairs);
-        return block_pairs - first;
+        std::copy(points + first, points + Batch::most_pairs, pairs);
+        return Batch::most_pairs - first;
     }
 
 private:
@@ -99,7 +99,7 @@ private:
 
     /// The group that holds a pair. Pairs that begin at odd dimensions have groups of their own.
     void group_points(std::uint64_t sequence, std::uint64_t index, std::uint32_t dimension,
-                      Vector2 (&points)[block_pairs]) const {
+                      Batch::Pairs& points) const {
         const std::uint32_t first = dimension - 2 * pair_of(dimension);
         const SequenceSeeds seeds(index, raw_key(sequence, first));
         const std::uint32_t i = shuffled_index(static_cast<std::uint32_t>(index), seeds.order());

@@ -108,8 +108,10 @@ public:
     }
 
     void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t count,
-                           SurfaceSampleLanes& out) const override {
-        if (needs_sample_uv()) return Shape::sample_area_lanes(primitive, u, count, out);
+                           SurfaceSampleLanes& out) const {
+        if (needs_sample_uv()) {
+            return Batch::sample_area_one_by_one(*this, primitive, u, count, out);
+        }
         sample_plate(plate_, 1 / area(0), u, out);
     }
 

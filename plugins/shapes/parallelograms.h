@@ -51,7 +51,7 @@ public:
     }
 
     void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t,
-                           SurfaceSampleLanes& out) const final {
+                           SurfaceSampleLanes& out) const {
         const Entry it = entries_[primitive];  // which `out` cannot overlap
         const float pdf = 1 / it.area;
         for (std::size_t i = 0; i < lane_count; ++i) {

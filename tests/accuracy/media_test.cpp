@@ -135,8 +135,8 @@ TEST(AbsorbingSlab, G8_ShadowRaysAndPathsMeetTheSameMedium) {
     EXPECT_TRUE(agree(all, few, 0.005));
 }
 
-/// ∫ σs exp(−σt t) f(cos θ) I / d² exp(−σt d) dt along the x axis, from the near clip plane on, with
-/// a light at (at, h).
+/// ∫ σs exp(−σt t) f(cos θ) I / d² exp(−σt d) dt along the x axis, from the near clip plane on,
+/// with a light at (at, h).
 double single_scattering(double sigma_s, double sigma_t, double g, double at, double h) {
     const auto integrand = [&](double t) {
         const double x = at - t, d = std::hypot(x, h), cosine = -x / d;  // towards the camera

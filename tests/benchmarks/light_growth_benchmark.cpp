@@ -61,7 +61,7 @@ void measure(const std::string& label, const std::string& name, const Scene& sce
     const double sample_ns = nanoseconds_each(points.size(), [&] {
         for (std::size_t i = 0; i < queries.size(); i += batch) {
             const std::size_t size = std::min(batch, queries.size() - i);
-            sampler.sample_batch(0, std::span(queries).subspan(i, size));
+            sampler.batch().sample(sampler, 0, std::span(queries).subspan(i, size));
         }
     });
     float sum = 0;

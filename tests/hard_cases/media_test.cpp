@@ -90,13 +90,15 @@ TEST(Camera, InsideOnTheBoundaryAndOutside) {
 }
 
 /// In a closed sphere of reflectance ρ and radius R, all flux of a lamp gets to the wall, also out
-/// of a white medium around it: L = ρ / π · I / (R² (1 − ρ)).
+/// of a white medium around it: L = ρ / π · Φ / (4π R² (1 − ρ)). The lamp is white itself.
 TEST(Lamp, O2_InsideOfAWhiteMedium) {
+    const double flux = pi * 4 * pi * 0.25 * 0.25;  // of radiance 1
     const std::string scene =
         volpath() + xml({.to_world = look({2.5, 0, 0}, {3, 0, 0}), .width = 4, .height = 4}) +
         sphere({0, 0, 0}, 3, boolean("flip_normals", true) + diffuse(0.5)) +
-        sphere({0, 0, 0}, 1, null_surface + fog("interior", 1.5, 1)) + point_light({0, 0, 0}, 1);
-    EXPECT_TRUE(agrees(image_means(scene, 512), 0.5 / pi / 9 / 0.5, 0.01));
+        sphere({0, 0, 0}, 1, null_surface + fog("interior", 1.5, 1)) +
+        sphere({0, 0, 0}, 0.25, diffuse(1) + area_light(1));
+    EXPECT_TRUE(agrees(image_means(scene, 1024), 0.5 / pi * flux / (4 * pi * 9 * 0.5), 0.015));
 }
 
 TEST(Media, ThreadsDoNotMatter) {

@@ -340,7 +340,7 @@ TEST_F(BSDFs, samples_of_many_lanes_are_those_of_each) {
                 u.set(i, rng.next_float2());
             }
             BSDFSampleLanes lanes;
-            c.bsdf->sample_lanes({at.data(), count}, wo, u_lobe, u, mode, lanes);
+            c.bsdf->batch().sample(*c.bsdf, {at.data(), count}, wo, u_lobe, u, mode, lanes);
             for (std::size_t i = 0; i < count; ++i) {
                 const auto one = c.bsdf->sample(*at[i], wo[i], u_lobe[i], u[i], mode);
                 ASSERT_EQ(lanes.lobe[i], one ? one->lobe : Lobe::none) << c.xml;

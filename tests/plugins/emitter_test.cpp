@@ -334,7 +334,7 @@ TEST_F(Emitters, EmissionOfManyLanesIsThatOfEach) {
                 v.set(i, rng.next_float2());
             }
             EmissionLanes lanes;
-            light.emitter->sample_emission_lanes(light, u, v, count, lanes);
+            light.emitter->batch().sample_emission(*light.emitter, light, u, v, count, lanes);
             for (std::size_t i = 0; i < count; ++i) {
                 const auto one = light.emitter->sample_emission(light, u[i], v[i]);
                 if (!one) {

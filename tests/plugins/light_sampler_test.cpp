@@ -93,7 +93,7 @@ TEST_P(SeenLights, drawing_at_many_points_is_drawing_at_each) {
     Rng rng(5);
     for (const Receiver& at : points) queries.push_back({.at = &at, .u = rng.next_float()});
     const std::uint32_t last = sampler.draws() - 1;
-    sampler.sample_batch(last, queries);
+    sampler.batch().sample(sampler, last, queries);
     int chosen = 0;
     for (const LightQuery& query : queries) {
         const auto choice = sampler.sample(*query.at, last, query.u);

@@ -128,14 +128,14 @@ TEST_F(Samplers, BlocksHoldThePairs) {
     for (const auto& [name, s] : samplers_) {
         for (const std::uint64_t index : {std::uint64_t{0}, std::uint64_t{37}, ~std::uint64_t{0}}) {
             for (const std::uint32_t dimension : {0u, 3u, 1022u}) {
-                Vector2 pairs[Sampler::block_pairs];
+                Vector2 pairs[SamplerBatch::most_pairs];
                 const std::uint32_t count =
-                    s->sample_block(0x123456789abcdef, index, dimension, pairs);
+                    s->batch().sample_pairs(*s, 0x123456789abcdef, index, dimension, pairs);
                 ASSERT_GE(count, 1u) << name;
-                ASSERT_LE(count, Sampler::block_pairs) << name;
+                ASSERT_LE(count, SamplerBatch::most_pairs) << name;
                 SampleStream stream(*s, 0x123456789abcdef, index);
                 stream.jump_to(dimension);
-                for (std::uint32_t i = 0; i < 2 * Sampler::block_pairs; ++i) {
+                for (std::uint32_t i = 0; i < 2 * SamplerBatch::most_pairs; ++i) {
                     const Vector2 expected =
                         s->sample_2d(0x123456789abcdef, index, dimension + 2 * i);
                     if (i < count) {

@@ -290,7 +290,7 @@ TEST_F(Shapes, samples_of_many_lanes_are_those_of_each) {
             Vector2Lanes u{};
             for (std::size_t i = 0; i < count; ++i) u.set(i, rng.next_float2());
             SurfaceSampleLanes lanes;
-            c.shape().sample_area_lanes(primitive, u, count, lanes);
+            c.shape().batch().sample_area(c.shape(), primitive, u, count, lanes);
             for (std::size_t i = 0; i < count; ++i) {
                 const SurfaceSample one = c.shape().sample_area(primitive, u[i]);
                 EXPECT_EQ(lanes.p[i], one.p);

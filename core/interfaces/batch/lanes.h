@@ -3,7 +3,12 @@
 /// them into vector instructions, although each lane reads as if it were alone.
 #pragma once
 
+#include "core/interfaces/geometry.h"
+#include "core/interfaces/light.h"
 #include "core/interfaces/scattering.h"
+
+#include <array>
+#include <optional>
 
 /// Before a function with such a loop: it is compiled twice, for eight floats at a time where the
 /// processor has them, with the same results. What it calls must be inline. Functions in headers
@@ -46,11 +51,33 @@ struct Vector3Lanes {
     void set(std::size_t i, Vector3 v) { x[i] = v.x, y[i] = v.y, z[i] = v.z; }
 };
 
+/// Which lanes are asked for.
+using LaneMask = std::array<bool, lane_count>;
+
 /// Points on a surface (SurfaceSample).
 struct SurfaceSampleLanes {
     Vector3Lanes p, n;
     Vector2Lanes uv;
     FloatLanes error, pdf;
+
+    void set(std::size_t i, const SurfaceSample& sample) {
+        p.set(i, sample.p);
+        n.set(i, sample.n);
+        uv.set(i, sample.uv);
+        error[i] = sample.error;
+        pdf[i] = sample.pdf;
+    }
+};
+
+/// Values and densities of BSDFs (BSDFValue).
+struct BSDFValueLanes {
+    Vector3Lanes f;
+    FloatLanes pdf;
+
+    void set(std::size_t i, const BSDFValue& value) {
+        f.set(i, value.f);
+        pdf[i] = value.pdf;
+    }
 };
 
 /// Directions into which surfaces scatter (BSDFSample), without densities. No lobe: nothing is
@@ -63,6 +90,12 @@ struct BSDFSampleLanes {
 /// Particles that leave a light (EmissionSample), without their densities. No power: none leaves.
 struct EmissionLanes {
     Vector3Lanes o, d, power;
+
+    void set(std::size_t i, const std::optional<EmissionSample>& sample) {
+        o.set(i, sample ? sample->ray.o : Vector3(0));
+        d.set(i, sample ? sample->ray.d : Vector3(0, 0, 1));
+        power.set(i, sample ? sample->power : Color(0));
+    }
 };
 
 }  // namespace lucerna
