@@ -4,8 +4,8 @@
 # given. The same function builds plugins outside of Lucerna's tree; there the result lies in
 # <build>/plugins/bsdfs/mirror.so, ready for `lucerna --plugins <build>/plugins`.
 #
-# lucerna_shared(bsdfs/conductors): bsdfs/conductors.cpp is no plugin, but a part of several: they
-# link `shared_bsdfs_conductors`.
+# lucerna_shared(bsdfs/conductors): bsdfs/conductors.cpp, or all .cpp files of a folder of that
+# name, is no plugin, but a part of several: they link `shared_bsdfs_conductors`.
 include(GNUInstallDirs)
 
 # As the core is compiled: NaN stays NaN, and the processor's mode is left alone.
@@ -20,9 +20,20 @@ function(lucerna_compile_as_plugin target)
         POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
+# The sources of a plugin or of a shared part.
+function(lucerna_sources result path)
+    set(sources ${path}.cpp)
+    if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${path} AND
+       NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${path}.cpp)
+        file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${path}/*.cpp)
+    endif()
+    set(${result} ${sources} PARENT_SCOPE)
+endfunction()
+
 function(lucerna_shared path)
     string(REPLACE "/" "_" target "shared_${path}")
-    add_library(${target} STATIC ${path}.cpp)
+    lucerna_sources(sources ${path})
+    add_library(${target} STATIC ${sources})
     lucerna_compile_as_plugin(${target})
 endfunction()
 
@@ -30,12 +41,7 @@ function(lucerna_plugin path)
     string(REPLACE "/" "_" target "plugin_${path}")
     get_filename_component(folder ${path} DIRECTORY)
     get_filename_component(name ${path} NAME)
-    if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${path})
-        file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${path}/*.cpp)
-    endif()
-    if(NOT sources)
-        set(sources ${path}.cpp)
-    endif()
+    lucerna_sources(sources ${path})
     add_library(${target} MODULE ${sources} $<TARGET_OBJECTS:lucerna_contracts>)
     lucerna_compile_as_plugin(${target})
     target_link_libraries(${target} PRIVATE ${ARGN})

@@ -86,6 +86,7 @@ render() {
 example=$root/docs/examples/plugin
 build_project "$example" "$scratch/debug" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O0
 "$lucerna" --plugins "$scratch/debug/plugins" plugins bsdf/toon
+"$lucerna" check bsdf/toon bands=5 --samples 50000 --plugins "$scratch/debug/plugins"
 render "$scratch/debug/plugins" "$example/scene.xml"
 cmake --install "$scratch/debug" --prefix "$prefix" > /dev/null
 render "$scratch" "$example/scene.xml"
@@ -104,5 +105,6 @@ render "$scratch" "$scratch/ball.xml"
 sed 's/<bsdf type="roughplastic">/<bsdf type="perfect_mirror">/; /diffuse_reflectance/d' \
     "$scratch/ball.xml" > "$scratch/mirror.xml"
 render "$scratch/mirror/build/plugins" "$scratch/mirror.xml"
+"$lucerna" check bsdf/perfect_mirror --samples 50000 --plugins "$scratch/mirror/build/plugins"
 
 echo "Plugins were built against the installation, and their scenes were rendered."

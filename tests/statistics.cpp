@@ -1,160 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Statistical tests: distributions, intervals, histograms.
 #include "tests/statistics.h"
-
-#include "core/math/quadrature.h"
 
 #include <fmt/format.h>
 
-#include <numeric>
-
 namespace lucerna {
 namespace {
-
-/// Upper regularised incomplete gamma function Q(a, x): series below a + 1, Lentz's continued
-/// fraction above (Press et al. 2007, "Numerical Recipes", 6.2).
-double gamma_q(double a, double x) {
-    if (x <= 0) return 1;
-    const double front = std::exp(-x + a * std::log(x) - std::lgamma(a));
-    if (x < a + 1) {
-        double term = 1 / a, sum = term;
-        for (double n = a + 1; term > sum * 1e-16; ++n) sum += term *= x / n;
-        return 1 - front * sum;
-    }
-    constexpr double tiny = 1e-300;
-    double b = x + 1 - a, c = 1 / tiny, d = 1 / b, h = d;
-    for (int i = 1; i < 100000; ++i) {
-        const double an = -i * (i - a);
-        b += 2;
-        d = 1 / (std::abs(an * d + b) < tiny ? tiny : an * d + b);
-        c = std::abs(b + an / c) < tiny ? tiny : b + an / c;
-        h *= d * c;
-        if (std::abs(d * c - 1) < 1e-15) break;
-    }
-    return front * h;
-}
-
-/// Continued fraction of the incomplete beta function (ibid., 6.4).
-double beta_fraction(double a, double b, double x) {
-    constexpr double tiny = 1e-300;
-    const auto guarded = [](double v) { return std::abs(v) < tiny ? tiny : v; };
-    double c = 1, d = 1 / guarded(1 - (a + b) * x / (a + 1)), h = d;
-    for (int m = 1; m < 100000; ++m) {
-        const double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
-        const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
-        for (const double term : {even, odd}) {
-            d = 1 / guarded(1 + term * d);
-            c = guarded(1 + term / c);
-            h *= d * c;
-        }
-        if (std::abs(d * c - 1) < 1e-15) break;
-    }
-    return h;
-}
-
-/// Regularised incomplete beta function.
-double beta_i(double a, double b, double x) {
-    if (x <= 0 || x >= 1) return x <= 0 ? 0 : 1;
-    const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
-                                  a * std::log(x) + b * std::log1p(-x));
-    if (x < (a + 1) / (a + b + 2)) return front * beta_fraction(a, b, x) / a;
-    return 1 - front * beta_fraction(b, a, 1 - x) / b;
-}
-
-/// The x in [low, high] where the falling function `f` passes `target`.
-template <typename F>
-double bisect(double low, double high, double target, F f) {
-    for (int i = 0; i < 200; ++i) {
-        const double middle = 0.5 * (low + high);
-        (f(middle) > target ? low : high) = middle;
-    }
-    return 0.5 * (low + high);
-}
 
 testing::AssertionResult verdict(bool passed, const std::string& figures) {
     return (passed ? testing::AssertionSuccess() : testing::AssertionFailure()) << figures;
 }
 
-using Function2 = std::function<double(double, double)>;
-
-double gauss_2d(const Function2& f, double x0, double x1, double y0, double y1) {
-    static const GaussLegendre rule(5);
-    return rule.integrate(y0, y1, [&](double y) {
-        return rule.integrate(x0, x1, [&](double x) { return f(x, y); });
-    });
-}
-
-double refine(const Function2& f, double x0, double x1, double y0, double y1, double whole,
-              double tolerance, int depth) {
-    const double x = 0.5 * (x0 + x1), y = 0.5 * (y0 + y1);
-    const double parts[] = {gauss_2d(f, x0, x, y0, y), gauss_2d(f, x, x1, y0, y),
-                            gauss_2d(f, x0, x, y, y1), gauss_2d(f, x, x1, y, y1)};
-    const double sum = parts[0] + parts[1] + parts[2] + parts[3];
-    if (depth == 0 || std::abs(sum - whole) <= tolerance) return sum;
-    // The error of quarters adds up like noise, so each may have half of it, not a quarter.
-    const double next = 0.5 * tolerance;
-    return refine(f, x0, x, y0, y, parts[0], next, depth - 1) +
-           refine(f, x, x1, y0, y, parts[1], next, depth - 1) +
-           refine(f, x0, x, y, y1, parts[2], next, depth - 1) +
-           refine(f, x, x1, y, y1, parts[3], next, depth - 1);
-}
-
-struct Cell {
-    double observed = 0, expected = 0;
-    void add(const Cell& other) {
-        observed += other.observed;
-        expected += other.expected;
-    }
-};
-
-/// A function of direction as one of θ and φ, times sin θ.
-Function2 in_angles(const std::function<double(Vector3)>& f) {
-    return [f](double phi, double theta) {
-        const double s = std::sin(theta);
-        const Vector3 w(static_cast<float>(s * std::cos(phi)),
-                        static_cast<float>(s * std::sin(phi)), static_cast<float>(std::cos(theta)));
-        return s * f(w);
-    };
+testing::AssertionResult verdict(const Judgement& judgement, double significance) {
+    return verdict(judgement.p > significance,
+                   fmt::format("{}: p = {}", judgement.figures, judgement.p));
 }
 
 }  // namespace
-
-double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
-
-double normal_quantile(double p) {
-    return -bisect(-40, 40, p, [](double x) { return normal_cdf(-x); });
-}
-
-double chi_square_p_value(double statistic, double dof) { return gamma_q(dof / 2, statistic / 2); }
-
-double student_p_value(double t, double dof) { return beta_i(dof / 2, 0.5, dof / (dof + t * t)); }
-
-double student_quantile(double two_sided_p, double dof) {
-    return bisect(0, 1e6, two_sided_p, [dof](double t) { return student_p_value(t, dof); });
-}
-
-double sidak(double family, double tests) { return -std::expm1(std::log1p(-family) / tests); }
-
-void RunningStatistics::add(double x) {
-    ++count_;
-    const double delta = x - mean_;
-    mean_ += delta / count_;
-    sum_squares_ += delta * (x - mean_);
-}
-
-void RunningStatistics::add(const RunningStatistics& other) {
-    if (other.count_ == 0) return;
-    const double delta = other.mean_ - mean_, total = count_ + other.count_;
-    mean_ += delta * other.count_ / total;
-    sum_squares_ += other.sum_squares_ + delta * delta * count_ * other.count_ / total;
-    count_ = total;
-}
-
-Interval RunningStatistics::confidence(double level) const {
-    if (count_ < 2) return {-HUGE_VAL, HUGE_VAL};
-    const double half = student_quantile(1 - level, count_ - 1) * standard_error();
-    return {mean_ - half, mean_ + half};
-}
 
 testing::AssertionResult equivalent(const RunningStatistics& x, double reference, double delta) {
     const Interval ci = x.confidence(0.999);
@@ -164,109 +25,29 @@ testing::AssertionResult equivalent(const RunningStatistics& x, double reference
                                reference, width));
 }
 
-testing::AssertionResult mean_is(const RunningStatistics& x, double reference,
-                                 double significance) {
-    const double difference = x.mean() - reference;
-    if (x.standard_error() == 0) {
-        return verdict(difference == 0, fmt::format("constant {}, not {}", x.mean(), reference));
-    }
-    const double t = difference / x.standard_error();
-    const double p = student_p_value(t, x.count() - 1);
-    return verdict(p > significance,
-                   fmt::format("mean {} against {}: t = {}, p = {}", x.mean(), reference, t, p));
+testing::AssertionResult mean_matches(const RunningStatistics& x, double reference,
+                                      double significance) {
+    return verdict(mean_is(x, reference), significance);
 }
 
 testing::AssertionResult counts_match(std::span<const double> observed,
                                       std::span<const double> expected, double significance,
                                       double constraints) {
-    std::vector<Cell> cells;
-    Cell pool;
-    for (std::size_t i = 0; i < observed.size(); ++i) {
-        if (expected[i] <= 0 && observed[i] > 0) {
-            return verdict(false, fmt::format("{} samples in cell {}, where the density is zero",
-                                              observed[i], i));
-        }
-        Cell cell{observed[i], expected[i]};
-        if (cell.expected < 5) {
-            pool.add(cell);
-            cell = pool;
-        }
-        if (cell.expected < 5) continue;
-        cells.push_back(cell);
-        if (expected[i] < 5) pool = {};
-    }
-    if (!cells.empty()) cells.back().add(pool);
+    return verdict(chi_square(observed, expected, constraints), significance);
+}
 
-    double statistic = 0;
-    for (const Cell& cell : cells) statistic += sqr(cell.observed - cell.expected) / cell.expected;
-    const double dof = static_cast<double>(cells.size()) - constraints;
-    if (dof < 1) return verdict(true, "too few cells to test");
-    const double p = chi_square_p_value(statistic, dof);
-    return verdict(p > significance,
-                   fmt::format("χ² = {} with {} degrees of freedom: p = {}", statistic, dof, p));
+testing::AssertionResult holds(const Evidence& evidence, double significance) {
+    const Finding finding = evidence.finding(significance);
+    return verdict(
+        finding.keeping != Keeping::broken,
+        fmt::format("{}: {}, p = {}", finding.contract, finding.figures, finding.p.value_or(1)));
 }
 
 testing::AssertionResult sampling_matches_pdf(
     const std::function<std::optional<Vector3>(Vector2)>& sample,
     const std::function<double(Vector3)>& pdf, const SphereTest& test) {
-    const double d_theta = std::numbers::pi / test.theta_cells;
-    const double d_phi = 2 * std::numbers::pi / test.phi_cells;
-    const int cells = test.theta_cells * test.phi_cells;
-    std::vector<double> observed(static_cast<std::size_t>(cells) + 1), expected(observed.size());
-
-    Rng rng(test.seed);
-    for (int i = 0; i < test.samples; ++i) {
-        const Vector2 u = rng.next_float2();
-        const std::optional<Vector3> w = sample(u);
-        if (!w) {
-            ++observed.back();
-            continue;
-        }
-        if (!is_finite(*w))
-            return verdict(false, fmt::format("not finite at u = {}, {}", u.x, u.y));
-        const double theta = std::atan2(std::hypot(w->x, w->y), w->z);
-        const double phi = std::atan2(w->y, w->x) + (w->y < 0 ? 2 * std::numbers::pi : 0);
-        const int row = std::min(static_cast<int>(theta / d_theta), test.theta_cells - 1);
-        const int column = std::min(static_cast<int>(phi / d_phi), test.phi_cells - 1);
-        ++observed[static_cast<std::size_t>(row * test.phi_cells + column)];
-    }
-
-    const Function2 density = in_angles(pdf);
-    for (int cell = 0; cell < cells; ++cell) {
-        const double theta = cell / test.phi_cells * d_theta;
-        const double phi = cell % test.phi_cells * d_phi;
-        const double p = integrate_2d(density, phi, phi + d_phi, theta, theta + d_theta, 1e-7);
-        expected[static_cast<std::size_t>(cell)] = p * test.samples;
-    }
-    const double total = std::accumulate(expected.begin(), expected.end(), 0.0);
-    if (total > test.samples * (1 + 1e-3)) {
-        return verdict(false, fmt::format("the pdf integrates to {}", total / test.samples));
-    }
-    // Integration errors must not look like a tiny chance to fail.
-    if (observed.back() > 0 || total < test.samples * (1 - 1e-4)) {
-        expected.back() = std::max(test.samples - total, 0.0);
-    }
-    return counts_match(observed, expected, sidak(test.significance, test.tests));
-}
-
-double integrate_2d(const Function2& f, double x0, double x1, double y0, double y1,
-                    double tolerance) {
-    return refine(f, x0, x1, y0, y1, gauss_2d(f, x0, x1, y0, y1), tolerance, 12);
-}
-
-double integrate_sphere(const std::function<double(Vector3)>& f, double tolerance) {
-    // Strips, so that narrow peaks at the poles and the horizon are not stepped over.
-    constexpr int strips = 16;
-    constexpr double step = std::numbers::pi / strips;
-    const Function2 density = in_angles(f);
-    double sum = 0;
-    for (int row = 0; row < strips; ++row) {
-        for (int column = 0; column < 2 * strips; ++column) {
-            sum += integrate_2d(density, column * step, (column + 1) * step, row * step,
-                                (row + 1) * step, tolerance / strips);
-        }
-    }
-    return sum;
+    return verdict(SphereCounts(sample, pdf, test.grid).agreement(),
+                   sidak(test.significance, test.tests));
 }
 
 testing::AssertionResult image_matches(std::span<const double> mean,

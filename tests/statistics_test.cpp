@@ -46,8 +46,8 @@ TEST(Statistics, equivalence_refuses_weak_tests) {
     EXPECT_FALSE(equivalent(few, 1, 0.005));
     EXPECT_TRUE(equivalent(many, 1, 0.005));
     EXPECT_FALSE(equivalent(many, 1.01, 0.005));
-    EXPECT_TRUE(mean_is(many, 1));
-    EXPECT_FALSE(mean_is(many, 1.005));
+    EXPECT_TRUE(mean_matches(many, 1));
+    EXPECT_FALSE(mean_matches(many, 1.005));
 }
 
 TEST(Statistics, chi_square_finds_wrong_densities) {

@@ -16,7 +16,7 @@ _lucerna() {
     elif [[ $word == -* ]]; then
         words=$("$program" "${COMP_WORDS[first]}" --help 2> /dev/null |
             sed -nE 's/^  (-[^ ]+).*/\1/p' | tr ',' ' ')
-    elif [[ ${COMP_WORDS[first]} == plugins ]]; then
+    elif [[ ${COMP_WORDS[first]} == @(plugins|check) ]]; then
         words=$("$program" plugins 2> /dev/null |
             awk '/^[a-z]/ { kind = $1 } /^  / { print kind "/" $1 }')
     fi

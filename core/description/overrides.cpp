@@ -13,16 +13,18 @@ public:
     Override(const SourceFile& source, Description& description, Diagnostics& diagnostics)
         : source_(source), description_(description), diagnostics_(diagnostics) {}
 
-    void apply() {
+    /// From `start`; if it is null, from the scene, or from an element with an id.
+    void apply(Element* start) {
         const std::string_view text = source_.text;
         const std::size_t equals = text.find('=');
         if (equals == std::string_view::npos || equals == 0) {
-            return error(0, "expected --set path=value, like integrator.max_depth=8");
+            return error(0, start ? "expected name=value, like radius=2"
+                                  : "expected --set path=value, like integrator.max_depth=8");
         }
         value_ = text.substr(equals + 1);
         std::string_view path = text.substr(0, equals);
-        Element* element = description_.root;
-        if (Element* const by_id = take_id(path)) element = by_id;
+        Element* element = start ? start : description_.root;
+        if (Element* const by_id = start ? nullptr : take_id(path)) element = by_id;
         while (element) {
             const std::size_t dot = path.find('.');
             const std::string_view step = path.substr(0, dot);
@@ -168,7 +170,15 @@ void apply_overrides(const std::vector<std::string>& overrides, Description& des
                      Diagnostics& diagnostics) {
     for (const std::string& text : overrides) {
         const SourceFile& source = description.sources.emplace_back(SourceFile{"--set", text});
-        Override(source, description, diagnostics).apply();
+        Override(source, description, diagnostics).apply(nullptr);
+    }
+}
+
+void apply_settings(const std::vector<std::string>& settings, const std::string& name,
+                    Element& element, Description& description, Diagnostics& diagnostics) {
+    for (const std::string& text : settings) {
+        const SourceFile& source = description.sources.emplace_back(SourceFile{name, text});
+        Override(source, description, diagnostics).apply(&element);
     }
 }
 

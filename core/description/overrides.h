@@ -22,4 +22,9 @@ namespace lucerna {
 void apply_overrides(const std::vector<std::string>& overrides, Description& description,
                      Diagnostics& diagnostics);
 
+/// Applies `max_depth=8` and the like to one element: the same, with paths that start there.
+/// Messages call them `name`.
+void apply_settings(const std::vector<std::string>& settings, const std::string& name,
+                    Element& element, Description& description, Diagnostics& diagnostics);
+
 }  // namespace lucerna

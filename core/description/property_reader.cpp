@@ -2,6 +2,7 @@
 #include "core/description/property_reader.h"
 
 #include "core/base/find_file.h"
+#include "core/description/spectrum_plugin.h"
 #include "core/description/values.h"
 #include "core/image/spectrum.h"
 
@@ -89,10 +90,7 @@ auto PropertyReader::attempt(const Tag& tag, std::string_view attribute, Parse p
 
 std::optional<PropertyValue> PropertyReader::read(const Tag& tag, const ReadContext& context) {
     if (tag.name == "spectrum" && tag.has("type")) {
-        diagnostics_.error(tag.where("type"),
-                           "spectrum plugins are not supported; write <rgb>, "
-                           "<blackbody>, or <spectrum> with value or filename");
-        return {};
+        return read_spectrum_object(tag, context);
     }
     if (!check_property(tag, context)) return {};
     if (tag.name == "transform") return read_transform(tag, context);
@@ -187,6 +185,31 @@ std::optional<Rgb> PropertyReader::read_spectrum_tag(const Tag& tag, const ReadC
         }
         return {ColorD(rgb_from_spectrum(parse_spectrum_list(text), use))};
     });
+}
+
+std::optional<PropertyValue> PropertyReader::read_spectrum_object(const Tag& tag,
+                                                                  const ReadContext& context) {
+    if (!check_attributes(tag, {{"name", "type"}, {}}, diagnostics_)) return {};
+    std::vector<Property> properties;
+    bool valid = true;
+    for (XmlElement child = tag.element.first_child(); child; child = child.next_sibling()) {
+        const Tag inner = read_tag(child, context, definitions_);
+        if (!is_property(inner.name) || inner.has("type")) {
+            diagnostics_.error(inner.where(), fmt::format("<{}> is no part of a spectrum; it takes "
+                                                          "<float>, <string>, <rgb> and the like",
+                                                          inner.name));
+            valid = false;
+            continue;
+        }
+        std::optional<PropertyValue> value;
+        if (inner.complete) value = read(inner, context);
+        valid = valid && value;
+        if (!value) continue;
+        properties.push_back({std::string(inner.value("name")), std::move(*value), inner.where()});
+    }
+    if (!valid) return {};
+    return read_spectrum_plugin(tag.value("type"), tag.where("type"), properties,
+                                context.in_emitter, diagnostics_);
 }
 
 std::optional<Rgb> PropertyReader::read_blackbody(const Tag& tag) {

@@ -29,6 +29,7 @@ private:
     /// Reports attributes that are wrong; true if there are none.
     bool check_property(const Tag& tag, const ReadContext& context);
     std::optional<Rgb> read_spectrum_tag(const Tag& tag, const ReadContext& context);
+    std::optional<PropertyValue> read_spectrum_object(const Tag& tag, const ReadContext& context);
     std::optional<Rgb> read_blackbody(const Tag& tag);
     std::optional<Transform> read_transform(const Tag& tag, const ReadContext& context);
     std::optional<Transform> read_step(const Tag& tag);

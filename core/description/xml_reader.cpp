@@ -7,6 +7,7 @@
 #include "core/description/overrides.h"
 #include "core/description/property_reader.h"
 #include "core/description/references.h"
+#include "core/description/spectrum_plugin.h"
 #include "core/description/values.h"
 
 #include <fmt/format.h>
@@ -152,7 +153,12 @@ private:
     }
 
     void read_element(XmlElement element, const ReadContext& context, Element& into) {
-        const Tag tag = read_tag(element, context, definitions_);
+        Tag tag = read_tag(element, context, definitions_);
+        // Mitsuba's spectra are textures, and may be called so.
+        if (tag.name == "texture" && tag.has("name") && tag.value("type") != "rawconstant" &&
+            is_spectrum_plugin(tag.value("type"))) {
+            tag.name = "spectrum";
+        }
         if (is_object_kind(tag.name)) return read_object(tag, context, into);
         if (PropertyReader::is_property(tag.name)) return read_property(tag, context, into);
         const int errors_before = diagnostics_.error_count();

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What an ICC profile in a picture says, as far as it must be told: profiles are not applied.
+/// Colour profiles in pictures: those of primaries and curves (ICC.1:2022, 8.3.3) are followed.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <string>
 
+#include "core/image/image.h"
+
 namespace lucerna {
 
-/// What to tell of a picture that is taken as sRGB in spite of this profile; empty if the profile
-/// is one of grey, or has the primaries of sRGB (ICC.1:2022, 9.2: rXYZ, gXYZ, bXYZ).
-std::string icc_notice(std::span<const std::uint8_t> profile);
+/// Sets what the profile says of the values of the picture: the primaries, unless they are those of
+/// sRGB, and the curve, if it is that of sRGB or a power and the same for all channels. Returns
+/// what to tell of a picture that is taken as sRGB in spite of its profile; else nothing.
+std::string follow_icc_profile(std::span<const std::uint8_t> profile, Image& image);
 
 }  // namespace lucerna

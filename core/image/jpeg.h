@@ -11,9 +11,10 @@
 
 namespace lucerna {
 
-/// Reads a grey or colour JPEG into channels "Y" or "RGB", in [0, 1], marked as sRGB encoded. A
-/// notice tells of an orientation and of a colour profile that are not followed. Throws FileError
-/// with the name of the file and what to do for damaged and for CMYK files.
+/// Reads a grey, colour or CMYK JPEG into channels "Y" or "RGB", in [0, 1], marked as sRGB encoded
+/// or as its colour profile says. A notice tells of an orientation and of a profile that are not
+/// followed, and of CMYK. Throws FileError with the name of the file and what to do for damaged
+/// files.
 Image read_jpeg(const std::filesystem::path& path);
 
 /// The same from memory; `name` is what errors call it.

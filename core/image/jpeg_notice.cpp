@@ -43,7 +43,7 @@ std::uint32_t orientation(Bytes tiff) {
     return 1;
 }
 
-std::string segment_notice(std::uint8_t marker, Bytes segment) {
+std::string segment_notice(std::uint8_t marker, Bytes segment, Image& image) {
     using namespace std::string_view_literals;
     constexpr std::string_view exif = "Exif\0\0"sv, icc = "ICC_PROFILE\0\1"sv;
     if (marker == 0xe1 && starts_with(segment, exif)) {
@@ -56,21 +56,21 @@ std::string segment_notice(std::uint8_t marker, Bytes segment) {
     }
     // One byte follows: the number of parts of the profile. The tags are in the first.
     if (marker == 0xe2 && starts_with(segment, icc) && segment.size() > icc.size()) {
-        return icc_notice(segment.subspan(icc.size() + 1));
+        return follow_icc_profile(segment.subspan(icc.size() + 1), image);
     }
     return "";
 }
 
 }  // namespace
 
-std::string jpeg_notice(Bytes file) {
+std::string jpeg_notice(Bytes file, Image& image) {
     std::string notice;
     constexpr std::uint8_t start_of_scan = 0xda;
     for (std::size_t at = 2; at + 4 <= file.size() && file[at] == 0xff;) {
         const std::uint8_t marker = file[at + 1];
         const std::size_t size = number_at(file, at + 2, 2, false);
         if (marker == start_of_scan || size < 2 || size > file.size() - at - 2) break;
-        const std::string more = segment_notice(marker, file.subspan(at + 4, size - 2));
+        const std::string more = segment_notice(marker, file.subspan(at + 4, size - 2), image);
         if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
         at += 2 + size;
     }

@@ -185,7 +185,7 @@ Image to_floats(const Job& job) {
     if (!job.srgb) image.gamma = static_cast<float>(1 / job.file_gamma);
     image.chromaticities = job.chromaticities;
     image.eight_bits = job.bits == 8;
-    if (!job.profile.empty()) image.notice = icc_notice(job.profile);
+    if (!job.profile.empty()) image.notice = follow_icc_profile(job.profile, image);
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
         if (job.bits == 16) {
             std::uint16_t value = 0;

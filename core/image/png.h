@@ -13,9 +13,9 @@ namespace lucerna {
 
 /// Reads any PNG, of 1 to 16 bits, into channels "Y", "YA", "RGB" or "RGBA"; palettes are looked
 /// up. Values are stored ones divided by the largest, in [0, 1]. They are marked as encoded by the
-/// power and the primaries of gAMA and cHRM; by sRGB if these are missing, if sRGB or iCCP overrule
-/// them, or if gAMA is 1/2.2, which is written for sRGB. Throws FileError with the name of the file
-/// and what to do for damaged files.
+/// power and the primaries of gAMA and cHRM, or by those of an ICC profile (icc_profile.h); by sRGB
+/// if there is neither, if sRGB overrules them, or if gAMA is 1/2.2, which is written for sRGB.
+/// Throws FileError with the name of the file and what to do for damaged files.
 Image read_png(const std::filesystem::path& path);
 
 /// The same from memory; `name` is what errors call it.

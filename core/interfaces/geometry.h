@@ -40,6 +40,15 @@ struct ParallelogramGeometry {
     std::vector<Parallelogram> list;
 };
 
+/// Round curves, each a chain of segments (Embree's, with spherical ends of linear ones). The shape
+/// keeps the memory.
+struct CurveGeometry {
+    enum class Basis { linear, bspline } basis;
+    std::span<const glm::vec4> points;         ///< x, y, z, radius
+    std::span<const std::uint32_t> first;      ///< of each segment: its first control point
+    std::span<const std::uint8_t> neighbours;  ///< of linear ones: 1 if one is before, 2 if behind
+};
+
 /// One primitive that answers rays by itself through `Shape::intersect`.
 struct AnalyticGeometry {
     Bounds3 bounds;
@@ -56,13 +65,15 @@ struct GroupGeometry {
     std::span<const Shape* const> shapes;
 };
 
-using Geometry = std::variant<TriangleGeometry, ParallelogramGeometry, AnalyticGeometry,
-                              InstanceGeometry, GroupGeometry>;
+using Geometry = std::variant<TriangleGeometry, ParallelogramGeometry, CurveGeometry,
+                              AnalyticGeometry, InstanceGeometry, GroupGeometry>;
 
 /// Where a ray met a primitive.
 struct Hit {
     float t = infinity;
-    Vector2 uv{0};  ///< barycentrics of vertices 1 and 2, u and v of a parallelogram, or free
+    Vector2 uv{
+        0};  ///< barycentrics of vertices 1 and 2, u and v of a parallelogram, u of a curve's
+             ///< segment, or free
     std::uint32_t primitive = 0;
 };
 
@@ -71,6 +82,7 @@ struct SurfaceSample {
     Vector3 p{0};
     Vector3 n{0, 0, 1};
     Vector2 uv{0};
+    Vector2 hit_uv{0};  ///< place on the primitive: Hit::uv, where shapes have attributes
     float error = 0;
     float pdf = 0;  ///< per area [1/m²] or per solid angle [1/sr]: the function says
 };

@@ -73,6 +73,7 @@ struct Interaction {
     float t = 0;  ///< distance along the ray
     const Shape* shape = nullptr;
     std::uint32_t primitive = 0;  ///< of the shape
+    Vector2 hit_uv{0};            ///< place on the primitive: Hit::uv
     PrimitiveId source{};
 
     Vector3 to_local(Vector3 world) const { return shading.to_local(world); }

@@ -17,14 +17,39 @@ void require_affine(const Params& params, const Transform& transform) {
                  "0 0 0 1");
 }
 
+/// What an emitter is that has no BSDF: it reflects nothing.
+class BlackSurface final : public BSDF {
+public:
+    BlackSurface() { BSDFBatch::attach(*this); }  // no plugin: `describe` has not seen it
+    Lobe lobes() const override { return Lobe::none; }
+    BSDFValue evaluate(const Interaction&, Vector3, Vector3, TransportMode) const override {
+        return {};
+    }
+    std::optional<BSDFSample> sample(const Interaction&, Vector3, float, Vector2,
+                                     TransportMode) const override {
+        return {};
+    }
+    Color albedo(const Interaction&, Vector3) const override { return Color(0); }
+    bool uses_tangents() const override { return false; }
+};
+
+const BSDF& black_surface() {
+    static const BlackSurface surface;
+    return surface;
+}
+
 }  // namespace
 
 Shape::Shape(const Params& params) {
     world_from_object_ = params.transform("to_world", "from the shape's own space to the world");
     media_.interior = params.child<Medium>("interior", "fills the shape");
     media_.exterior = params.child<Medium>("exterior", "is around the shape");
-    bsdf_ = &params.nested_or<BSDF>(media_ ? "null" : "diffuse",
-                                    "how the surface scatters light; \"null\" if it has media");
+    const bool black = !media_ && !params.child_names(Emitter::kind).empty() &&
+                       params.child_names(BSDF::kind).empty();
+    bsdf_ = black ? &black_surface()
+                  : &params.nested_or<BSDF>(media_ ? "null" : "diffuse",
+                                            "how the surface scatters light; if there is none, a "
+                                            "shape with media is \"null\", an emitter is black");
     needs_tangents_ = bsdf_->uses_tangents();
     emitter_ = params.nested<Emitter>("makes the surface a light: an area emitter");
     needs_sample_uv_ = !emitter_ || emitter_->uses_uv();

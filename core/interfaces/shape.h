@@ -13,6 +13,9 @@
 #include "core/plugin/plugin.h"
 
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace lucerna {
 
@@ -34,6 +37,12 @@ public:
     /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`. Unless
     /// `needs_tangents`, dpdu and dpdv may be left as they are, and any frame will do.
     virtual void fill(const Ray& ray, const Hit& hit, Interaction& at) const = 0;
+    /// Values that its file gives to vertices or faces, as `vertex_color`: their names, and the
+    /// value of one of them at a point (shape, primitive and hit_uv of `at`).
+    virtual std::vector<std::string> attributes() const { return {}; }
+    virtual Color attribute(std::string_view /*name*/, const Interaction& /*at*/) const {
+        return Color(0);
+    }
     /// Prefetches a primitive: first its indices, then, when they have arrived, its data. Called
     /// only for shapes that the nearest cache does not hold.
     enum class Prefetch { addresses, data };

@@ -5,6 +5,8 @@
 #include "core/interfaces/interaction.h"
 #include "core/plugin/plugin.h"
 
+#include <string_view>
+
 namespace lucerna {
 
 class Texture : public Object {
@@ -16,6 +18,11 @@ public:
     virtual Color color(Vector2 uv) const = 0;
     /// One number: the luminance of a colour, of raw data, too.
     virtual float real(Vector2 uv) const = 0;
+    /// The same at a point of a surface, which differ for textures that read more than `uv` of it.
+    virtual Color color_at(const Interaction& at) const { return color(at.uv); }
+    virtual float real_at(const Interaction& at) const { return real(at.uv); }
+    /// What it reads of the surface (Shape::attribute), as "vertex_color"; empty: nothing but uv.
+    virtual std::string_view attribute() const { return {}; }
     /// ∂real/∂u and ∂real/∂v. Central differences unless overridden.
     virtual Vector2 gradient(Vector2 uv) const;
     /// Width over height of the picture; 1 if it is none.
@@ -31,7 +38,9 @@ struct ColorInput {
     Color constant{0};
     const Texture* texture = nullptr;
 
-    Color operator()(Vector2 uv) const { return texture ? texture->color(uv) : constant; }
+    Color operator()(const Interaction& at) const {
+        return texture ? texture->color_at(at) : constant;
+    }
     Color mean() const { return texture ? texture->mean() : constant; }
     float max() const { return texture ? texture->max() : max_component(constant); }
 };
@@ -41,7 +50,9 @@ struct FloatInput {
     float constant = 0;
     const Texture* texture = nullptr;
 
-    float operator()(Vector2 uv) const { return texture ? texture->real(uv) : constant; }
+    float operator()(const Interaction& at) const {
+        return texture ? texture->real_at(at) : constant;
+    }
     float mean() const { return texture ? luminance(texture->mean()) : constant; }
 };
 

@@ -46,8 +46,8 @@ float inside_bin(double x, int bin, int n) {
     return result;
 }
 
-/// The bin of u in [0, 1): the last with cdf[bin] <= u. Each step is a choice of two addresses and no
-/// branch, which would be mispredicted half of the time.
+/// The bin of u in [0, 1): the last with cdf[bin] <= u. Each step is a choice of two addresses and
+/// no branch, which would be mispredicted half of the time.
 PiecewiseConstant1D::Bin invert(std::span<const double> cdf, double u) {
     u = std::clamp(u, 0.0, largest_below_one);
     std::size_t bin = 0;

@@ -85,6 +85,20 @@ void occluded_callback(const RTCOccludedFunctionNArguments* arguments) {
     }
 }
 
+/// Curves are met from outside only.
+void outside_filter(const RTCFilterFunctionNArguments* arguments) {
+    const unsigned count = arguments->N;
+    for (unsigned i = 0; i < count; ++i) {
+        const Vector3 n(RTCHitN_Ng_x(arguments->hit, count, i),
+                        RTCHitN_Ng_y(arguments->hit, count, i),
+                        RTCHitN_Ng_z(arguments->hit, count, i));
+        const Vector3 d(RTCRayN_dir_x(arguments->ray, count, i),
+                        RTCRayN_dir_y(arguments->ray, count, i),
+                        RTCRayN_dir_z(arguments->ray, count, i));
+        if (glm::dot(n, d) > 0) arguments->valid[i] = 0;
+    }
+}
+
 /// The context of shadow rays: the two primitives that do not block each of them.
 struct ShadowContext {
     struct Ends {
@@ -128,6 +142,7 @@ struct Accelerator::Implementation {
     RTCGeometry make_geometry(const Geometry& geometry, GeometryEntry& entry);
     RTCGeometry make_triangles(const TriangleGeometry& mesh);
     RTCGeometry make_parallelograms(std::span<const Parallelogram> list);
+    RTCGeometry make_curves(const CurveGeometry& curves);
     RTCGeometry make_instance(const InstanceGeometry& instance, GeometryEntry& entry);
 };
 
@@ -156,6 +171,23 @@ RTCGeometry Accelerator::Implementation::make_parallelograms(std::span<const Par
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
                                 4 * sizeof(std::uint32_t), list.size()));
     std::iota(indices, indices + 4 * list.size(), 0u);
+    return geometry;
+}
+
+RTCGeometry Accelerator::Implementation::make_curves(const CurveGeometry& curves) {
+    const bool linear = curves.basis == CurveGeometry::Basis::linear;
+    RTCGeometry geometry = rtcNewGeometry(device, linear ? RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE
+                                                         : RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                               curves.points.data(), 0, sizeof(glm::vec4), curves.points.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
+                               curves.first.data(), 0, sizeof(std::uint32_t), curves.first.size());
+    rtcSetGeometryIntersectFilterFunction(geometry, outside_filter);
+    rtcSetGeometryOccludedFilterFunction(geometry, outside_filter);
+    if (linear) {
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FLAGS, 0, RTC_FORMAT_UCHAR,
+                                   curves.neighbours.data(), 0, 1, curves.neighbours.size());
+    }
     return geometry;
 }
 
@@ -191,6 +223,7 @@ RTCGeometry Accelerator::Implementation::make_geometry(const Geometry& shape,
         entry.flat = true;
         return make_parallelograms(quad->list);
     }
+    if (const auto* curves = std::get_if<CurveGeometry>(&shape)) return make_curves(*curves);
     if (const auto* instance = std::get_if<InstanceGeometry>(&shape)) {
         return make_instance(*instance, entry);
     }

@@ -4,6 +4,7 @@
 #include "core/base/file_bytes.h"
 #include "core/base/find_file.h"
 #include "core/interfaces/film.h"
+#include "core/interfaces/texture.h"
 #include "core/math/sequences.h"
 #include "core/plugin/build_context.h"
 #include "core/scene/preparation_error.h"
@@ -54,6 +55,7 @@ private:
     const PluginInfo* find_plugin(const Element& element);
     Object* construct(const Element& element, const PluginInfo& info, bool complete);
     Object* keep(std::unique_ptr<Object> object, Location where);
+    void require_attributes(const Element& element, const Shape* shape);
     Location scene_place() const {
         return description_.root ? description_.root->where : Location();
     }
@@ -71,6 +73,7 @@ private:
     std::uint64_t hash_;
     int nesting_ = 0;
     int shapes_around_ = 0;
+    bool reads_attributes_ = false;  ///< some texture does
 };
 
 /// Constructs a plugin with nothing, to see what it asks for.
@@ -152,6 +155,15 @@ Object* ObjectBuilder::construct(const Element& element, const PluginInfo& info,
     params.report_unused(
         !object, [&] { return describe_parameters(registry_, element.kind, element.type); });
     if (!object || !complete || diagnostics_.error_count() > errors_before) return nullptr;
+    if (const auto* texture = dynamic_cast<const Texture*>(object.get())) {
+        reads_attributes_ = reads_attributes_ || !texture->attribute().empty();
+    }
+    if (reads_attributes_ && element.kind == Shape::kind) {
+        require_attributes(element, static_cast<const Shape*>(object.get()));
+    }
+    if (reads_attributes_ && element.kind == Emitter::kind && shapes_around_ == 0) {
+        require_attributes(element, nullptr);
+    }
     return keep(std::move(object), element.where);
 }
 
@@ -159,6 +171,26 @@ Object* ObjectBuilder::keep(std::unique_ptr<Object> object, Location where) {
     objects_.push_back(std::move(object));
     places_.push_back(where);
     return objects_.back().get();
+}
+
+/// Textures in the element must not read attributes that the shape, null if there is none, has not.
+void ObjectBuilder::require_attributes(const Element& element, const Shape* shape) {
+    for (const Child& child : element.children) {
+        if (child.element->kind == Shape::kind) continue;  // has its own
+        require_attributes(*child.element, shape);
+        const auto* texture = dynamic_cast<const Texture*>(built_[child.element]);
+        if (!texture || texture->attribute().empty()) continue;
+        const std::string name(texture->attribute());
+        const std::vector<std::string> known =
+            shape ? shape->attributes() : std::vector<std::string>();
+        if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+        diagnostics_.error(
+            child.where,
+            !shape ? fmt::format("\"{}\" is an attribute of a mesh, and there is none here", name)
+            : known.empty() ? fmt::format("the shape has no attribute \"{}\": it has none", name)
+                            : fmt::format("the shape has no attribute \"{}\"; it has {}{}", name,
+                                          join(known), did_you_mean(name, known)));
+    }
 }
 
 Object* ObjectBuilder::default_object(std::string_view kind, std::string_view type) {

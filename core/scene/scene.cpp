@@ -137,6 +137,7 @@ bool Scene::fill(const Ray& ray, const SceneHit& met, Interaction& at) const {
     if (met.flat && met.id == ray.source) return false;
     at.shape = met.shape;
     at.primitive = met.hit.primitive;
+    at.hit_uv = met.hit.uv;
     at.source = met.flat ? met.id : PrimitiveId{};
     at.t = met.hit.t;
     if (met.instance) [[unlikely]] {

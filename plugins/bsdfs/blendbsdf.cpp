@@ -53,7 +53,7 @@ public:
     }
 
 private:
-    float weight(const Interaction& at) const { return std::clamp(weight_(at.uv), 0.0f, 1.0f); }
+    float weight(const Interaction& at) const { return std::clamp(weight_(at), 0.0f, 1.0f); }
 
     FloatInput weight_;
     const BSDF* first_;

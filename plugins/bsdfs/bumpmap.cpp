@@ -13,7 +13,11 @@ public:
     explicit BumpMap(const Params& params)
         : PerturbedBSDF(*params.all_nested<BSDF>({1, 1}, "what the surface is made of").front()),
           height_(*params.all_nested<Texture>({1, 1}, "height of the surface").front()),
-          scale_(params.real("scale", 1, any_value, "factor of the height")) {}
+          scale_(params.real("scale", 1, any_value, "factor of the height")) {
+        if (height_.attribute().empty()) return;
+        params.error("texture",
+                     "a bump map needs a texture that changes with uv, not an attribute of a mesh");
+    }
 
 protected:
     Frame perturbed(const Interaction& at) const override {

@@ -25,13 +25,13 @@ public:
                                      TransportMode) const override {
         if (!(wo.z > 0)) return {};
         return BSDFSample{.wi = reflect(wo),
-                          .weight = metal_.reflectance(at.uv, wo.z),
+                          .weight = metal_.reflectance(at, wo.z),
                           .pdf = 1,
                           .lobe = Lobe::specular_reflection};
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {
-        return metal_.reflectance(at.uv, wo.z);
+        return metal_.reflectance(at, wo.z);
     }
 
 private:

@@ -25,15 +25,15 @@ public:
 
     std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float u_lobe, Vector2,
                                      TransportMode mode) const override {
-        return glass_.sample_smooth(at.uv, wo, u_lobe, mode);
+        return glass_.sample_smooth(at, wo, u_lobe, mode);
     }
 
     Color transmittance(const Interaction& at, Vector3) const override {
-        return glass_.straight(at.uv);
+        return glass_.straight(at);
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {
-        return glass_.albedo(at.uv, wo.z);
+        return glass_.albedo(at, wo.z);
     }
 
 private:

@@ -42,7 +42,7 @@ public:
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {
         if (!(wo.z > 0 && wi.z > 0)) return {};
-        return {reflectance_(at.uv) * inv_pi, square_to_cosine_hemisphere_pdf(wi)};
+        return {reflectance_(at) * inv_pi, square_to_cosine_hemisphere_pdf(wi)};
     }
 
     std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float, Vector2 u,
@@ -50,7 +50,7 @@ public:
         if (!(wo.z > 0)) return {};
         const Vector3 wi = square_to_cosine_hemisphere(u);
         return BSDFSample{.wi = wi,
-                          .weight = reflectance_(at.uv),
+                          .weight = reflectance_(at),
                           .pdf = square_to_cosine_hemisphere_pdf(wi),
                           .lobe = Lobe::diffuse_reflection};
     }
@@ -62,7 +62,7 @@ public:
         Color here(0);
         for (std::size_t i = 0; i < at.size(); ++i) {
             if (!wanted[i]) continue;
-            if (at[i] != last) here = reflectance_(at[i]->uv);
+            if (at[i] != last) here = reflectance_(*at[i]);
             last = at[i];
             reflectance.set(i, here);
         }
@@ -73,12 +73,12 @@ public:
                       const Vector2Lanes& u, TransportMode, BSDFSampleLanes& out) const {
         sample_cosine(u, out.wi);
         for (std::size_t i = 0; i < at.size(); ++i) {
-            out.weight.set(i, reflectance_(at[i]->uv));
+            out.weight.set(i, reflectance_(*at[i]));
             out.lobe[i] = wo.z[i] > 0 ? Lobe::diffuse_reflection : Lobe::none;
         }
     }
 
-    Color albedo(const Interaction& at, Vector3) const override { return reflectance_(at.uv); }
+    Color albedo(const Interaction& at, Vector3) const override { return reflectance_(at); }
 
 private:
     ColorInput reflectance_;

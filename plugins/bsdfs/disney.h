@@ -88,27 +88,28 @@ struct Surface {
     /// True if the number can be other than zero somewhere.
     static bool used(const FloatInput& input) { return input.texture || input.constant > 0; }
 
-    Microfacet facets_at(Vector2 uv, float scale = 1) const {
-        return facets(scale * roughness(uv), anisotropic(uv));
+    Microfacet facets_at(const Interaction& at, float scale = 1) const {
+        return facets(scale * roughness(at), anisotropic(at));
     }
 
     /// Matte lobe for light at the angle θd to the half vector [1/sr].
-    Color matte_value(Vector2 uv, Color base, Vector3 wo, Vector3 wi, float cos_d) const {
-        return base * (inv_pi * matte(roughness(uv), flatness(uv), wo.z, wi.z, cos_d));
+    Color matte_value(const Interaction& at, Color base, Vector3 wo, Vector3 wi,
+                      float cos_d) const {
+        return base * (inv_pi * matte(roughness(at), flatness(at), wo.z, wi.z, cos_d));
     }
 
     /// Sheen ([2012], 5.6) [1/sr].
-    Color sheen_value(Vector2 uv, Color base, float cos_d) const {
-        const float amount = sheen(uv);
+    Color sheen_value(const Interaction& at, Color base, float cos_d) const {
+        const float amount = sheen(at);
         if (amount == 0) return Color(0);
-        const Color hue = glm::mix(Color(1), tint(base), sheen_tint(uv));
+        const Color hue = glm::mix(Color(1), tint(base), sheen_tint(at));
         return hue * (amount * schlick_weight(cos_d));
     }
 
     /// Reflectance of the highlight, from a dielectric's to one with the hue of the base.
-    Color tinted(Vector2 uv, Color base, float cos_theta, float eta) const {
+    Color tinted(const Interaction& at, Color base, float cos_theta, float eta) const {
         const Color plain(fresnel_dielectric(cos_theta, eta));
-        const float amount = spec_tint(uv);
+        const float amount = spec_tint(at);
         if (amount == 0) return plain;
         const Color normal_incidence = tint(base) * sqr((eta - 1) / (eta + 1));
         return glm::mix(plain, schlick(normal_incidence, cos_theta, eta), amount);

@@ -18,35 +18,35 @@ struct Glass {
 
     /// Factor of refracted light: radiance is spread over a larger or smaller solid angle
     /// (Veach 1997, 5.2); `there` is the index of refraction along wi over that along wo.
-    Color transmitted(Vector2 uv, float there, TransportMode mode) const {
-        return transmittance(uv) * (mode == TransportMode::radiance ? 1 / sqr(there) : 1.0f);
+    Color transmitted(const Interaction& at, float there, TransportMode mode) const {
+        return transmittance(at) * (mode == TransportMode::radiance ? 1 / sqr(there) : 1.0f);
     }
 
-    Color albedo(Vector2 uv, float cos_theta) const {
+    Color albedo(const Interaction& at, float cos_theta) const {
         const float reflected = fresnel_dielectric(cos_theta, eta);
-        return reflectance(uv) * reflected + transmittance(uv) * (1 - reflected);
+        return reflectance(at) * reflected + transmittance(at) * (1 - reflected);
     }
 
     /// The same substance on both sides: light goes straight through.
     bool matched() const { return eta == 1; }
     /// The fraction of light that does so.
-    Color straight(Vector2 uv) const { return matched() ? transmittance(uv) : Color(0); }
+    Color straight(const Interaction& at) const { return matched() ? transmittance(at) : Color(0); }
 
     /// A perfectly smooth surface: reflection with probability F, else refraction.
-    std::optional<BSDFSample> sample_smooth(Vector2 uv, Vector3 wo, float u_lobe,
+    std::optional<BSDFSample> sample_smooth(const Interaction& at, Vector3 wo, float u_lobe,
                                             TransportMode mode) const {
         if (wo.z == 0) return {};
         const float reflected = fresnel_dielectric(wo.z, eta);
         if (u_lobe < reflected) {
             return BSDFSample{.wi = reflect(wo),
-                              .weight = reflectance(uv),
+                              .weight = reflectance(at),
                               .pdf = reflected,
                               .lobe = Lobe::specular_reflection};
         }
         const std::optional<Refraction> refracted = refract(wo, Vector3(0, 0, 1), eta);
         if (!refracted) return {};
         return BSDFSample{.wi = refracted->direction,
-                          .weight = transmitted(uv, refracted->eta, mode),
+                          .weight = transmitted(at, refracted->eta, mode),
                           .pdf = 1 - reflected,
                           .lobe = matched() ? Lobe::null : Lobe::specular_transmission,
                           .eta = refracted->eta};

@@ -47,7 +47,7 @@ public:
     }
 
 private:
-    float opacity(const Interaction& at) const { return std::clamp(opacity_(at.uv), 0.0f, 1.0f); }
+    float opacity(const Interaction& at) const { return std::clamp(opacity_(at), 0.0f, 1.0f); }
 
     FloatInput opacity_;
     const BSDF& nested_;

@@ -29,8 +29,8 @@ public:
                                    "factor; 1 is physical");
     }
 
-    Color reflectance(Vector2 uv, float cos_theta) const {
-        return tint_(uv) * fresnel_conductor(cos_theta, eta_(uv), k_(uv));
+    Color reflectance(const Interaction& at, float cos_theta) const {
+        return tint_(at) * fresnel_conductor(cos_theta, eta_(at), k_(at));
     }
 
 private:

@@ -16,7 +16,7 @@ public:
 
 protected:
     Frame perturbed(const Interaction& at) const override {
-        const Vector3 normal = 2.0f * normals_.color(at.uv) - Vector3(1);
+        const Vector3 normal = 2.0f * normals_.color_at(at) - Vector3(1);
         if (!(normal.z > 0 && is_finite(normal))) return at.shading;
         const Frame base = Frame::from_normal_tangent(at.shading.n, at.dpdu);
         return Frame::from_normal_tangent(glm::normalize(base.to_world(normal)), at.dpdu);

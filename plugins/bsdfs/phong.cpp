@@ -38,10 +38,10 @@ public:
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {
         if (!(wo.z > 0 && wi.z > 0)) return {};
-        const float n = exponent_(at.uv);
+        const float n = exponent_(at);
         const float cos_alpha = glm::dot(reflect(wo), wi);
         const float lobe = cos_alpha > 0 ? std::pow(cos_alpha, n) * (0.5f * inv_pi) : 0.0f;
-        return {scale_ * (diffuse_(at.uv) * inv_pi + specular_(at.uv) * ((n + 2) * lobe)),
+        return {scale_ * (diffuse_(at) * inv_pi + specular_(at) * ((n + 2) * lobe)),
                 glm::mix(square_to_cosine_hemisphere_pdf(wi), (n + 1) * lobe, specular_share_)};
     }
 
@@ -52,7 +52,7 @@ public:
             const Vector3 wi = square_to_cosine_hemisphere(u);
             return drawn(*this, at, wo, wi, mode, Lobe::diffuse_reflection);
         }
-        const float cos_alpha = std::pow(1 - u.x, 1 / (exponent_(at.uv) + 1));
+        const float cos_alpha = std::pow(1 - u.x, 1 / (exponent_(at) + 1));
         const Vector2 side = safe_sqrt((1 - cos_alpha) * (1 + cos_alpha)) * unit_circle(u.y);
         const Frame lobe = Frame::from_normal(reflect(wo));
         const Vector3 wi = glm::normalize(lobe.to_world({side.x, side.y, cos_alpha}));
@@ -60,7 +60,7 @@ public:
     }
 
     Color albedo(const Interaction& at, Vector3) const override {
-        return scale_ * (diffuse_(at.uv) + specular_(at.uv));
+        return scale_ * (diffuse_(at) + specular_(at));
     }
 
 private:

@@ -78,13 +78,13 @@ public:
                        TransportMode) const override {
         if (!(wo.z > 0 && wi.z > 0)) return {};
         const float reflected = coat_(wo.z), p = coat_probability(reflected);
-        BSDFValue value{base(at.uv) * ((1 - reflected) * (1 - coat_(wi.z))),
+        BSDFValue value{base(at) * ((1 - reflected) * (1 - coat_(wi.z))),
                         (1 - p) * square_to_cosine_hemisphere_pdf(wi)};
         if (!facets_) return value;
         const Vector3 m = glm::normalize(wo + wi);
         const float density = 0.25f * facets_->D(m);
-        value.f += specular_(at.uv) * (density * facets_->visibility(wo, wi) *
-                                       fresnel_dielectric(glm::dot(wo, m), eta_));
+        value.f += specular_(at) * (density * facets_->visibility(wo, wi) *
+                                    fresnel_dielectric(glm::dot(wo, m), eta_));
         value.pdf += p * density / facets_->visible_area(wo);
         return value;
     }
@@ -102,15 +102,15 @@ public:
             return drawn(*this, at, wo, wi, mode, Lobe::glossy_reflection);
         }
         return BSDFSample{.wi = reflect(wo),
-                          .weight = specular_(at.uv) * (reflected / p),
+                          .weight = specular_(at) * (reflected / p),
                           .pdf = p,
                           .lobe = Lobe::specular_reflection};
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {
         const float reflected = wo.z > 0 ? coat_(wo.z) : 1.0f;
-        return specular_(at.uv) * reflected +
-               base(at.uv) * (pi * (1 - reflected) * (1 - mean_reflectance_));
+        return specular_(at) * reflected +
+               base(at) * (pi * (1 - reflected) * (1 - mean_reflectance_));
     }
 
 protected:
@@ -132,9 +132,9 @@ protected:
 
 private:
     /// Value of the base as seen through a coat that reflects nothing.
-    Color base(Vector2 uv) const {
+    Color base(const Interaction& at) const {
         const float eta2 = sqr(eta_), internal = 1 - (1 - mean_reflectance_) / eta2;
-        const Color rho = diffuse_(uv);
+        const Color rho = diffuse_(at);
         return rho / ((Color(1) - (nonlinear_ ? rho : Color(1)) * internal) * (pi * eta2));
     }
 

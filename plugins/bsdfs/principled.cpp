@@ -60,7 +60,7 @@ public:
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {
-        const Point here(*this, at.uv, wo);
+        const Point here(*this, at, wo);
         if (here.dark() || wo.z * wi.z == 0) return {};
         if (!same_hemisphere(wo, wi)) return refracted(here, wo, wi, mode);
         return wo.z > 0 ? outside(here, wo, wi) : inside(here, wo, wi);
@@ -68,14 +68,14 @@ public:
 
     std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float u_lobe, Vector2 u,
                                      TransportMode mode) const override {
-        const Point here(*this, at.uv, wo);
+        const Point here(*this, at, wo);
         if (here.dark()) return {};
         if (u_lobe < here.matte) {
             const Vector3 wi = square_to_cosine_hemisphere(u);
             return drawn(*this, at, wo, wi, mode, Lobe::diffuse_reflection);
         }
         if (u_lobe < here.matte + here.coat) {
-            const Vector3 wi = reflect(wo, coat(at.uv).sample(u));
+            const Vector3 wi = reflect(wo, coat(at).sample(u));
             if (!same_hemisphere(wo, wi)) return {};
             return drawn(*this, at, wo, wi, mode, Lobe::glossy_reflection);
         }
@@ -92,7 +92,7 @@ public:
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {
-        const Point here(*this, at.uv, wo);
+        const Point here(*this, at, wo);
         if (here.dark()) return Color(0);
         const float reflected = fresnel_dielectric(wo.z, eta_);
         const Color through = glm::sqrt(here.base) * (1 - reflected);
@@ -104,16 +104,16 @@ public:
 private:
     /// The parameters at a point, and the probability of each lobe for a given direction.
     struct Point {
-        Point(const Principled& b, Vector2 uv_, Vector3 wo)
-            : uv(uv_),
-              base(b.surface_.base_color(uv)),
-              metallic(b.metallic_(uv)),
+        Point(const Principled& b, const Interaction& at_, Vector3 wo)
+            : at(at_),
+              base(b.surface_.base_color(at)),
+              metallic(b.metallic_(at)),
               front(wo.z > 0),
-              facets(b.surface_.facets_at(uv)) {
-            const float clear = b.surface_.spec_trans(uv);
+              facets(b.surface_.facets_at(at)) {
+            const float clear = b.surface_.spec_trans(at);
             opaque = (1 - metallic) * (1 - clear);
             glass = (1 - metallic) * clear;
-            clearcoat = b.clearcoat_(uv);
+            clearcoat = b.clearcoat_(at);
             grazing = wo.z == 0;
             if (!front) return;
             matte = b.diffuse_rate_ * opaque;
@@ -130,7 +130,7 @@ private:
         /// Probability that a facet of reflectance `fresnel` reflects, rather than refracts.
         float reflects(float fresnel) const { return front ? 1 - glass * (1 - fresnel) : fresnel; }
 
-        Vector2 uv;
+        const Interaction& at;
         Color base;
         float metallic;
         bool front, grazing = false;
@@ -164,11 +164,11 @@ private:
     }
 
     /// The width of the coat's facets is 0.1 to 0.001.
-    GTR1 coat(Vector2 uv) const { return {sqr(glm::mix(0.1f, 0.001f, gloss_(uv)))}; }
+    GTR1 coat(const Interaction& at) const { return {sqr(glm::mix(0.1f, 0.001f, gloss_(at)))}; }
 
     /// Reflectance of the highlight, from outside.
     Color reflectance(const Point& here, float cos_theta) const {
-        const Color dielectric = surface_.tinted(here.uv, here.base, cos_theta, eta_);
+        const Color dielectric = surface_.tinted(here.at, here.base, cos_theta, eta_);
         if (here.metallic == 0) return dielectric;
         return glm::mix(dielectric, disney::schlick(here.base, cos_theta, eta_), here.metallic);
     }
@@ -181,14 +181,14 @@ private:
         BSDFValue value;
         value.f = reflectance(here, cos_d) * disney::mirror_value(here.facets, m, wo, wi);
         if (here.opaque > 0) {
-            value.f += here.opaque * surface_.matte_value(here.uv, here.base, wo, wi, cos_d) +
-                       (1 - here.metallic) * surface_.sheen_value(here.uv, here.base, cos_d);
+            value.f += here.opaque * surface_.matte_value(here.at, here.base, wo, wi, cos_d) +
+                       (1 - here.metallic) * surface_.sheen_value(here.at, here.base, cos_d);
         }
         value.pdf = here.main * here.reflects(fresnel_dielectric(cos_d, eta_)) *
                         disney::mirror_pdf(here.facets, m, wo) +
                     here.matte * square_to_cosine_hemisphere_pdf(wi);
         if (here.clearcoat == 0) return value;
-        const float D = coat(here.uv).D(m);
+        const float D = coat(here.at).D(m);
         const float masking = coat_masking.G1(wo) * coat_masking.G1(wi);
         value.f +=
             disney::schlick(Color(0.04f), cos_d, eta_) * (0.25f * here.clearcoat * D * masking);

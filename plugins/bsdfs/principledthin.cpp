@@ -46,7 +46,7 @@ public:
                        TransportMode) const override {
         if (wo.z * wi.z == 0) return {};
         const bool through = !same_hemisphere(wo, wi);
-        const Point here(*this, at.uv, wo);
+        const Point here(*this, at, wo);
         const Vector3 o = above(wo), i = wo.z < 0 ? -wi : wi;
         const Vector3 mirrored(i.x, i.y, std::abs(i.z));
         const Vector3 sum = o + mirrored;
@@ -66,7 +66,7 @@ public:
     std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float u_lobe, Vector2 u,
                                      TransportMode mode) const override {
         if (wo.z == 0) return {};
-        const Point here(*this, at.uv, wo);
+        const Point here(*this, at, wo);
         const bool rough = u_lobe < here.mirror + here.pane;
         const bool through = rough
                                  ? u_lobe >= here.mirror
@@ -85,7 +85,7 @@ public:
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {
-        const Point here(*this, at.uv, wo);
+        const Point here(*this, at, wo);
         const float cos_theta = std::abs(wo.z);
         const Color clear = fraction(here, cos_theta, false) + fraction(here, cos_theta, true);
         return glm::min((1 - here.clear) * here.base + here.clear * clear, Color(1));
@@ -94,12 +94,12 @@ public:
 private:
     /// The parameters at a point, and the probabilities of the lobes.
     struct Point {
-        Point(const PrincipledThin& b, Vector2 uv_, Vector3 wo)
-            : uv(uv_),
-              base(b.surface_.base_color(uv)),
-              clear(b.surface_.spec_trans(uv)),
-              eta(b.eta_(uv)),
-              transmitted(0.5f * b.diff_trans_(uv)),
+        Point(const PrincipledThin& b, const Interaction& at_, Vector3 wo)
+            : at(at_),
+              base(b.surface_.base_color(at)),
+              clear(b.surface_.spec_trans(at)),
+              eta(b.eta_(at)),
+              transmitted(0.5f * b.diff_trans_(at)),
               mirror(b.mirror_rate_ * clear),
               pane(b.pane_rate_ * clear),
               matte(b.matte_rate_ * (1 - clear) * (1 - transmitted)),
@@ -116,10 +116,10 @@ private:
         }
 
         Microfacet facets(const PrincipledThin& b, bool through) const {
-            return b.surface_.facets_at(uv, through ? 0.65f * eta - 0.35f : 1.0f);
+            return b.surface_.facets_at(at, through ? 0.65f * eta - 0.35f : 1.0f);
         }
 
-        Vector2 uv;
+        const Interaction& at;
         Color base;
         float clear, eta, transmitted;
         float mirror, pane, matte, veil;  ///< probabilities
@@ -134,7 +134,7 @@ private:
 
     /// The fraction of light that facets reflect, or let through.
     Color fraction(const Point& here, float cos_theta, bool through) const {
-        if (!through) return surface_.tinted(here.uv, here.base, cos_theta, here.eta);
+        if (!through) return surface_.tinted(here.at, here.base, cos_theta, here.eta);
         return here.base * (1 - fresnel_dielectric(cos_theta, here.eta));
     }
 
@@ -144,8 +144,8 @@ private:
         if (through) {
             return {here.base * (weight * here.transmitted * inv_pi), here.veil * cosine_pdf};
         }
-        const Color f = surface_.matte_value(here.uv, here.base, wo, wi, cos_d) +
-                        surface_.sheen_value(here.uv, here.base, cos_d);
+        const Color f = surface_.matte_value(here.at, here.base, wo, wi, cos_d) +
+                        surface_.sheen_value(here.at, here.base, cos_d);
         return {f * (weight * (1 - here.transmitted)), here.matte * cosine_pdf};
     }
 

@@ -24,21 +24,21 @@ public:
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {
-        const Microfacet facets = roughness_(at.uv);
+        const Microfacet facets = roughness_(at);
         if (!(wo.z > 0 && wi.z > 0) || facets.effectively_smooth()) return {};
         const Vector3 m = glm::normalize(wo + wi);
         const float density = 0.25f * facets.D(m);
-        return {metal_.reflectance(at.uv, glm::dot(wo, m)) * (density * facets.visibility(wo, wi)),
+        return {metal_.reflectance(at, glm::dot(wo, m)) * (density * facets.visibility(wo, wi)),
                 density / facets.visible_area(wo)};
     }
 
     std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float, Vector2 u,
                                      TransportMode mode) const override {
         if (!(wo.z > 0)) return {};
-        const Microfacet facets = roughness_(at.uv);
+        const Microfacet facets = roughness_(at);
         if (facets.effectively_smooth()) {
             return BSDFSample{.wi = reflect(wo),
-                              .weight = metal_.reflectance(at.uv, wo.z),
+                              .weight = metal_.reflectance(at, wo.z),
                               .pdf = 1,
                               .lobe = Lobe::specular_reflection};
         }
@@ -47,7 +47,7 @@ public:
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {
-        return metal_.reflectance(at.uv, wo.z);
+        return metal_.reflectance(at, wo.z);
     }
 
 private:

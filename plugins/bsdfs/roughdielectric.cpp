@@ -30,17 +30,17 @@ public:
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {
-        const Microfacet facets = roughness_(at.uv);
+        const Microfacet facets = roughness_(at);
         if (wo.z * wi.z == 0 || smooth(facets)) return {};
-        return same_hemisphere(wo, wi) ? reflection(facets, at.uv, wo, wi)
-                                       : transmission(facets, at.uv, wo, wi, mode);
+        return same_hemisphere(wo, wi) ? reflection(facets, at, wo, wi)
+                                       : transmission(facets, at, wo, wi, mode);
     }
 
     std::optional<BSDFSample> sample(const Interaction& at, Vector3 wo, float u_lobe, Vector2 u,
                                      TransportMode mode) const override {
         if (wo.z == 0) return {};
-        const Microfacet facets = roughness_(at.uv);
-        if (smooth(facets)) return glass_.sample_smooth(at.uv, wo, u_lobe, mode);
+        const Microfacet facets = roughness_(at);
+        if (smooth(facets)) return glass_.sample_smooth(at, wo, u_lobe, mode);
         const Vector3 m = facets.sample_visible_normal(wo, u);
         if (u_lobe < fresnel_dielectric(glm::dot(wo, m), glass_.eta)) {
             const Vector3 wi = reflect(wo, m);
@@ -54,11 +54,11 @@ public:
     }
 
     Color transmittance(const Interaction& at, Vector3) const override {
-        return glass_.straight(at.uv);
+        return glass_.straight(at);
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {
-        return glass_.albedo(at.uv, wo.z);
+        return glass_.albedo(at, wo.z);
     }
 
 private:
@@ -66,17 +66,18 @@ private:
         return glass_.matched() || facets.effectively_smooth();
     }
 
-    BSDFValue reflection(const Microfacet& facets, Vector2 uv, Vector3 wo, Vector3 wi) const {
+    BSDFValue reflection(const Microfacet& facets, const Interaction& at, Vector3 wo,
+                         Vector3 wi) const {
         const Vector3 sum = wo.z < 0 ? -(wo + wi) : wo + wi;
         const float length = glm::length(sum);
         // wo · m = wi · m is half the length: symmetric even where F is steep.
         const float reflected = fresnel_dielectric(std::copysign(0.5f * length, wo.z), glass_.eta);
         const float density = 0.25f * facets.D(sum / length) * reflected;
-        return {glass_.reflectance(uv) * (density * facets.visibility(wo, wi)),
+        return {glass_.reflectance(at) * (density * facets.visibility(wo, wi)),
                 density / facets.visible_area(wo)};
     }
 
-    BSDFValue transmission(const Microfacet& facets, Vector2 uv, Vector3 wo, Vector3 wi,
+    BSDFValue transmission(const Microfacet& facets, const Interaction& at, Vector3 wo, Vector3 wi,
                            TransportMode mode) const {
         const float there = relative_eta(wo.z, glass_.eta);
         // In double: for nearly equal indices the sum almost vanishes.
@@ -90,7 +91,7 @@ private:
             fresnel_dielectric(static_cast<float>(there > 1 ? om : im), glass_.eta);
         const double jacobian = std::abs(om * im) / sqr(im + om / static_cast<double>(there));
         const float density = facets.D(Vector3(m)) * static_cast<float>(jacobian) * (1 - reflected);
-        return {glass_.transmitted(uv, there, mode) * (density * facets.visibility(wo, wi)),
+        return {glass_.transmitted(at, there, mode) * (density * facets.visibility(wo, wi)),
                 density / facets.visible_area(wo)};
     }
 

@@ -40,7 +40,9 @@ public:
 
     bool anisotropic() const { return anisotropic_; }
 
-    Microfacet operator()(Vector2 uv) const { return {type_, alpha_u_(uv), alpha_v_(uv)}; }
+    Microfacet operator()(const Interaction& at) const {
+        return {type_, alpha_u_(at), alpha_v_(at)};
+    }
 
     /// `rough`, or `smooth` where the surface is so flat that it is treated as a mirror; both if a
     /// texture decides.

@@ -26,24 +26,23 @@ public:
         const float reflected = reflectance(wo);
         if (u_lobe < reflected) {
             return BSDFSample{.wi = reflect(wo),
-                              .weight = glass_.reflectance(at.uv),
+                              .weight = glass_.reflectance(at),
                               .pdf = reflected,
                               .lobe = Lobe::specular_reflection};
         }
         return BSDFSample{.wi = -wo,
-                          .weight = glass_.transmittance(at.uv),
+                          .weight = glass_.transmittance(at),
                           .pdf = 1 - reflected,
                           .lobe = Lobe::null};
     }
 
     Color transmittance(const Interaction& at, Vector3 wo) const override {
-        return glass_.transmittance(at.uv) * (1 - reflectance(wo));
+        return glass_.transmittance(at) * (1 - reflectance(wo));
     }
 
     Color albedo(const Interaction& at, Vector3 wo) const override {
         const float reflected = reflectance(wo);
-        return glass_.reflectance(at.uv) * reflected +
-               glass_.transmittance(at.uv) * (1 - reflected);
+        return glass_.reflectance(at) * reflected + glass_.transmittance(at) * (1 - reflected);
     }
 
 private:

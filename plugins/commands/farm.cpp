@@ -2,17 +2,22 @@
 /// farm: renders one picture on many machines, by Slurm or by several processes.
 ///
 /// A scene is packed into a folder that all machines can read, with a script for its parts and one
-/// that merges them (farm/job_folder.h). docs/many_machines.md tells how to use it.
+/// that merges them (jobs/job_folder.h). docs/many_machines.md tells how to use it.
 #include "core/interfaces/command.h"
 #include "core/interfaces/sampler.h"
-#include "plugins/commands/farm/job_scripts.h"
-#include "plugins/commands/farm/job_status.h"
-#include "plugins/commands/farm/local_run.h"
-#include "plugins/commands/farm/scene_pack.h"
-#include "plugins/commands/farm/slurm.h"
+#include "core/render/interrupt.h"
+#include "plugins/commands/jobs/file_store.h"
+#include "plugins/commands/jobs/job_scripts.h"
+#include "plugins/commands/jobs/job_status.h"
+#include "plugins/commands/jobs/local_run.h"
+#include "plugins/commands/jobs/scene_pack.h"
+#include "plugins/commands/jobs/slurm.h"
 #include "plugins/commands/scene_options.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <filesystem>
 
 namespace lucerna {
 
@@ -123,17 +128,17 @@ std::string words_text(const std::string& verb, const std::vector<std::string>& 
     return shell_text(verb, words).substr(std::string("lucerna ").size());
 }
 
-JobCommands job_commands(const Request& request, const ScenePack& pack, std::uint64_t samples,
+JobCommands job_commands(const Request& request, const PackedScene& pack, std::uint64_t samples,
                          const std::string& name) {
-    std::vector<std::string> words = {"scene/" + pack.name(), "--spp", std::to_string(samples),
+    std::vector<std::string> words = {"scene/" + pack.name, "--spp", std::to_string(samples),
                                       "--quiet"};
     const auto add = [&](const char* option, const std::string& value) {
         words.insert(words.end(), {option, value});
     };
     if (request.seconds) add("--time", fmt::format("{}", *request.seconds));
     if (request.seed != 0) add("--seed", std::to_string(request.seed));
-    for (const std::string& text : pack.overrides()) add("--set", text);
-    if (pack.has_plugins()) add("--plugins", "plugins");
+    for (const std::string& text : pack.overrides) add("--set", text);
+    if (pack.has_plugins) add("--plugins", "plugins");
     JobCommands commands;
     commands.program = fs::canonical("/proc/self/exe").string();
     commands.part = words_text("render", words) +
@@ -163,8 +168,8 @@ JobFolder pack_job(const Request& request) {
                         samples, request.parts));
     }
     make_folder(request.output);
-    const ScenePack pack(session, settings, request.output);
-    const std::string name = fs::path(pack.name()).stem().string();
+    const PackedScene pack = pack_scene(session, settings, request.output);
+    const std::string name = fs::path(pack.name).stem().string();
     const JobFolder job(request.output, name, request.parts, "exr");
     write_job(job, job_commands(request, pack, samples, name));
     return job;
@@ -184,7 +189,7 @@ int run_job(const Request& request) {
     const JobFolder job =
         fs::is_directory(request.scene) ? JobFolder::read(request.scene) : pack_job(request);
     if (request.status) return show_status(request, job);
-    if (request.local > 0) return LocalRun(job, request.local, request.quiet).run();
+    if (request.local > 0) return run_locally(job, request.local, request.quiet);
     if (request.submit) submit(job);
     if (!request.quiet) {
         const std::string folder = job.path().string();

@@ -4,62 +4,26 @@
 /// The picture holds longitude and latitude: +y is its upper edge, −z its left and right edges, +x
 /// lies a quarter of the width from the left (Mitsuba's convention). Texels are interpolated
 /// bilinearly, across the left and right edges, too.
-///
-///   d(u, v) = (sin φ sin θ, cos θ, −cos φ sin θ),   φ = 2π u,   θ = π v
-///   pdf(d)  = p(u, v) / (2π² sin θ)                             (pbrt 4e, 12.5.2)
+/// sphere_map.h has the formulas.
 ///
 /// p is constant in each texel and proportional to the luminance that the interpolation has there
 /// on average, times sin θ: so it is positive wherever the light is. Large pictures are many lights
 /// (map_patches.h); p is then that of the light's patch.
 #include "plugins/emitters/map_patches.h"
 #include "plugins/emitters/scene_sphere.h"
+#include "plugins/emitters/sphere_map.h"
 
 #include "core/base/huge_pages.h"
 #include "core/image/color.h"
 #include "core/image/read_image.h"
 #include "core/interfaces/emitter.h"
-#include "core/math/angle.h"
 #include "core/math/orientation.h"
-#include "core/math/sequences.h"
-#include "core/math/warp.h"
 
 #include <fmt/format.h>
-
-#include <bit>
 
 namespace lucerna {
 
 namespace {
-
-/// A direction in the space of the map, with the place where it lies in the picture.
-struct MapPoint {
-    Vector2 uv;
-    float sin_theta;
-};
-
-MapPoint map_point(Vector3 d) {
-    const float sin_theta = std::sqrt(d.x * d.x + d.z * d.z);
-    const FourFloats angles = angles_of(FourFloats{-d.z, d.y}, FourFloats{d.x, sin_theta});
-    const float u = angles[0] * (0.5f * inv_pi);
-    return {{u < 0 ? std::min(u + 1, one_minus_epsilon) : u, angles[1] * inv_pi}, sin_theta};
-}
-
-Vector3 map_direction(Vector2 uv, float& sin_theta) {
-    const Vector2 phi = unit_circle(uv.x);
-    const Vector2 theta = unit_circle(0.5f * std::min(uv.y, 1 - uv.y));
-    sin_theta = theta.y;
-    return {phi.y * sin_theta, uv.y <= 0.5f ? theta.x : -theta.x, -phi.x * sin_theta};
-}
-
-/// A float has 24 random bits: too few where a sun leaves 10⁻⁶ of [0, 1) for the sky. Further bits
-/// are a hash of both numbers, so each still has its place.
-Vector2d with_more_bits(Vector2 u) {
-    const std::uint64_t h =
-        hash64({std::bit_cast<std::uint32_t>(u.x), std::bit_cast<std::uint32_t>(u.y)});
-    const Vector2d rest(uint_to_double(static_cast<std::uint32_t>(h)),
-                        uint_to_double(static_cast<std::uint32_t>(h >> 32)));
-    return Vector2d(u) + 0x1p-24 * rest;
-}
 
 class EnvironmentMap final : public Emitter {
 public:
@@ -128,7 +92,7 @@ public:
 
     LightBounds bounds(const Light& light) const override {
         return {.box = {},
-                .directions = directions(light.primitive),
+                .directions = map_directions(patches_, light.primitive, world_from_map_),
                 .power =
                     static_cast<double>(sphere_.cross_section()) * patches_.power(light.primitive)};
     }
@@ -146,19 +110,6 @@ private:
         const Vector3 d = map_direction(at.p, sin_theta);
         if (!(at.pdf > 0 && sin_theta > 0)) return {};
         return {world_from_map_.to_world(d), lookup(at.p), at.pdf / (2 * pi * pi * sin_theta)};
-    }
-
-    /// Bounds of the directions of a patch. Between neighbours of a grid no coordinate differs from
-    /// its linear interpolation by more than an eighth of the squared steps, in radians.
-    Bounds3 directions(std::uint32_t patch) const {
-        Bounds3 box;
-        patches_.for_each_corner(patch, [&](Vector2 uv) {
-            float sin_theta = 0;
-            box.include(world_from_map_.to_world(map_direction(uv, sin_theta)));
-        });
-        const Vector2 step = Vector2(2 * pi, pi) * patches_.step();
-        const Vector3 margin(glm::dot(step, step) / 8);
-        return {.min = box.min - margin, .max = box.max + margin};
     }
 
     /// Copies the colours; returns the number of texels that cannot be. Channels just below zero

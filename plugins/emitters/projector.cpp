@@ -57,7 +57,8 @@ private:
 
     /// π T at a point of the plane z = 1.
     Color value(Vector2 at) const {
-        return pi * scale_ * picture_({0.5f - 0.5f * at.x / half_.x, 0.5f + 0.5f * at.y / half_.y});
+        const Vector2 uv(0.5f - 0.5f * at.x / half_.x, 0.5f + 0.5f * at.y / half_.y);
+        return pi * scale_ * (picture_.texture ? picture_.texture->color(uv) : picture_.constant);
     }
 
     Color intensity(Vector3 w) const override {

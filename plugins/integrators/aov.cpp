@@ -9,6 +9,7 @@
 #include "core/interfaces/bsdf.h"
 #include "core/render/sampling_integrator.h"
 #include "core/scene/scene.h"
+#include "plugins/integrators/render_options.h"
 
 #include <array>
 #include <string_view>
@@ -46,6 +47,8 @@ class AovIntegrator final : public SamplingIntegrator {
 public:
     explicit AovIntegrator(const Params& params)
         : image_(params.nested<Integrator>("makes the image beside the layers")) {
+        accept_render_options(params);
+        params.no_effect("hide_emitters", "that of the nested integrator counts");
         std::string_view list;
         const std::string given =
             params.string("aovs", "albedo:albedo,normal:sh_normal,depth:depth,position:position",

@@ -3,6 +3,7 @@
 /// "depth", which keeps 32 bits; zero where there is none.
 #include "core/render/sampling_integrator.h"
 #include "core/scene/scene.h"
+#include "plugins/integrators/render_options.h"
 
 namespace lucerna {
 
@@ -10,7 +11,10 @@ namespace {
 
 class DepthIntegrator final : public SamplingIntegrator {
 public:
-    explicit DepthIntegrator(const Params&) {}
+    explicit DepthIntegrator(const Params& params) {
+        accept_render_options(params);
+        params.no_effect("hide_emitters", "surfaces that emit have a depth as all others");
+    }
 
     std::vector<std::string> layers() const override { return {"depth"}; }
 

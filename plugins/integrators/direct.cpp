@@ -5,6 +5,7 @@
 /// With `bsdf_samples` = 0 or `emitter_samples` = 0 it shows a single strategy.
 #include "core/render/sampling_integrator.h"
 #include "plugins/integrators/light_sampling.h"
+#include "plugins/integrators/render_options.h"
 
 namespace lucerna {
 
@@ -30,6 +31,7 @@ private:
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
+        accept_render_options(params);
         if (emitter_samples_ + bsdf_samples_ == 0) {
             params.error("emitter_samples",
                          "one of emitter_samples and bsdf_samples must be "

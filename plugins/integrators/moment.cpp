@@ -8,6 +8,7 @@
 /// the variance m2 − mean² is that of single paths. All integrators get the same random numbers.
 #include "core/render/sampling_integrator.h"
 #include "core/scene/scene.h"
+#include "plugins/integrators/render_options.h"
 
 #include <string_view>
 
@@ -24,6 +25,8 @@ Color xyz(Color c) {
 class MomentIntegrator final : public SamplingIntegrator {
 public:
     explicit MomentIntegrator(const Params& params) {
+        accept_render_options(params);
+        params.no_effect("hide_emitters", "that of the nested integrators counts");
         const std::vector<std::string> names = params.child_names(Integrator::kind);
         for (const Integrator* nested :
              params.all_nested<Integrator>({.min = 1}, "what is measured")) {

@@ -7,6 +7,7 @@
 /// of small lights slowly: that is what photon mapping is for.
 #include "core/render/sampling_integrator.h"
 #include "plugins/integrators/path_noise.h"
+#include "plugins/integrators/render_options.h"
 
 #include <limits>
 #include <vector>
@@ -33,6 +34,7 @@ public:
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
+        accept_render_options(params);
         if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
         if ((reuse_ & (reuse_ - 1)) != 0) {
             params.error("reuse", "\"reuse\" must be 0, 1, 2, 4, 8 or 16");

@@ -8,6 +8,7 @@
 /// rays look at the map from one bounce away. See docs/photon_mapping.md.
 #include "plugins/integrators/photon_camera.h"
 #include "plugins/integrators/photon_estimate.h"
+#include "plugins/integrators/render_options.h"
 
 #include <cstdio>
 
@@ -105,6 +106,7 @@ PhotonMapIntegrator::PhotonMapIntegrator(const Params& params)
     params.no_effect("direct_samples", "each camera sample samples the lights once");
     params.no_effect("glossy_samples", "each camera sample follows one glossy direction");
     params.no_effect("volume_photons", "there are no media");
+    accept_render_options(params);
     params.no_effect("granularity", "photons are dealt out evenly");
 }
 

@@ -7,6 +7,7 @@
 /// Sample i of all pixels is one pass of as many particles as the whole image has pixels: with a
 /// crop window, too, which is then exactly a part of it.
 #include "plugins/integrators/photon_camera.h"
+#include "plugins/integrators/render_options.h"
 
 #include "core/render/render_job.h"
 
@@ -109,8 +110,7 @@ public:
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")) {
         params.no_effect("granularity", "particles are dealt out evenly");
-        params.no_effect("samples_per_pass",
-                         "a pass has as many particles as the image has pixels");
+        accept_render_options(params);
     }
 
     void render(RenderJob& job) const override;

@@ -10,6 +10,7 @@
 /// nothing of each other: they can be split over machines, and merged, as samples of any render.
 #include "plugins/integrators/photon_camera.h"
 #include "plugins/integrators/photon_estimate.h"
+#include "plugins/integrators/render_options.h"
 
 namespace lucerna {
 
@@ -44,6 +45,7 @@ public:
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         params.no_effect("max_passes", "the budget of the render is its limit");
+        accept_render_options(params);
         params.no_effect("granularity", "photons are dealt out evenly");
     }
 

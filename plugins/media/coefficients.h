@@ -50,8 +50,10 @@ public:
         return resolution() == glm::ivec3(1) && box.min == Vector3(-infinity) &&
                box.max == Vector3(infinity);
     }
-    /// Of all of them that vary; infinite in the directions in which none ends.
+    /// Where extinction ends: Mitsuba asks `albedo` and `emission` beyond their own bounds, too. If
+    /// extinction is everywhere, of all of them that vary; infinite where none ends.
     Bounds3 bounds() const {
+        if (by_albedo_ && second_.volume) return second_.bounds();
         Bounds3 all{.min = Vector3(-infinity), .max = Vector3(infinity)};
         for (const VolumeInput* input : {&first_, &second_, &emission_}) {
             const Bounds3 box = input->bounds();

@@ -41,6 +41,17 @@ void require_vertices(const MeshData& data) {
     }
 }
 
+void require_attributes(const MeshData& data) {
+    for (const MeshAttribute& attribute : data.attributes) {
+        for (std::size_t i = 0; i < attribute.values.size(); ++i) {
+            if (std::isfinite(attribute.values[i])) continue;
+            throw Error(fmt::format("{}: \"{}\" of {} {} is not finite", data.name, attribute.name,
+                                    attribute.of_faces ? "triangle" : "vertex",
+                                    i / attribute.size));
+        }
+    }
+}
+
 void require_indices(const MeshData& data) {
     for (std::size_t i = 0; i < data.indices.size(); ++i) {
         if (data.indices[i] < data.positions.size()) continue;
@@ -220,6 +231,7 @@ void Mesh::assign(const Params& params, MeshData data) {
     }
     require_vertices(data);
     require_indices(data);
+    require_attributes(data);
     warn(params, data);
     if (face_normals_ || data.face_normals) data.normals.clear();
     orient(data);
@@ -231,6 +243,7 @@ void Mesh::assign(const Params& params, MeshData data) {
     vertices_ = MeshVertices(data);
     indices_.reserve(std::max<std::size_t>(data.indices.size(), 3));  // a place to point at
     indices_.assign(data.indices.begin(), data.indices.end());
+    attributes_ = std::move(data.attributes);
 }
 
 Geometry Mesh::geometry() const {
@@ -299,6 +312,26 @@ void Mesh::fill(const Ray&, const Hit& hit, Interaction& at) const {
     }
 }
 
+std::vector<std::string> Mesh::attributes() const {
+    std::vector<std::string> names;
+    for (const MeshAttribute& attribute : attributes_) names.push_back(attribute.name);
+    return names;
+}
+
+Color Mesh::attribute(std::string_view name, const Interaction& at) const {
+    const auto found = std::find_if(attributes_.begin(), attributes_.end(),
+                                    [&](const MeshAttribute& a) { return a.name == name; });
+    if (found == attributes_.end()) return Color(0);
+    const auto value = [&](std::size_t i) {
+        const float* const v = &found->values[i * found->size];
+        return found->size == 1 ? Color(v[0]) : Color(v[0], v[1], v[2]);
+    };
+    if (found->of_faces) return value(at.primitive);
+    const std::uint32_t* const corner = &indices_[3 * std::size_t{at.primitive}];
+    return (1 - at.hit_uv.x - at.hit_uv.y) * value(corner[0]) + at.hit_uv.x * value(corner[1]) +
+           at.hit_uv.y * value(corner[2]);
+}
+
 void Mesh::prefetch(std::uint32_t primitive, Prefetch what) const {
     const std::uint32_t* const corner = &indices_[3 * std::size_t{primitive}];
     if (what == Prefetch::addresses) {
@@ -318,6 +351,7 @@ SurfaceSample Mesh::sample_at(std::uint32_t primitive, Vector3 b) const {
     return {.p = t.point(b),
             .n = flip_normals() ? -n : n,
             .uv = uv_at(t, b),
+            .hit_uv = {b.y, b.z},
             .error = t.error(),
             .pdf = 0};
 }

@@ -19,6 +19,14 @@
 
 namespace lucerna {
 
+/// Numbers that belong to vertices or to triangles, and mean what the scene makes of them.
+struct MeshAttribute {
+    std::string name;  ///< "vertex_…" or "face_…"
+    bool of_faces = false;
+    std::uint32_t size = 3;     ///< numbers in one value: 1 or 3
+    std::vector<float> values;  ///< `size` of them to a position or a triangle
+};
+
 /// A mesh on its way from a file to a shape. Positions and normals are moved to the world in double
 /// as they arrive, so that files far from the origin lose nothing.
 struct MeshData {
@@ -28,7 +36,8 @@ struct MeshData {
     std::vector<Vector3> normals;        ///< none or one for each position; unit length or zero
     std::vector<Vector2> uvs;            ///< none or one for each position
     std::vector<std::uint32_t> indices;  ///< three to a triangle
-    bool face_normals = false;           ///< the file asks for a faceted look
+    std::vector<MeshAttribute> attributes;
+    bool face_normals = false;  ///< the file asks for a faceted look
     std::uint64_t crossing_polygons = 0;
     std::vector<std::string> warnings;  ///< what the file holds and the mesh does not
 
@@ -79,6 +88,8 @@ public:
     Geometry geometry() const final;
     Bounds3 bounds() const final { return bounds_; }
     void fill(const Ray& ray, const Hit& hit, Interaction& at) const final;
+    std::vector<std::string> attributes() const final;
+    Color attribute(std::string_view name, const Interaction& at) const final;
     void prefetch(std::uint32_t primitive, Prefetch what) const final;
 
     std::uint32_t primitive_count() const final;
@@ -111,6 +122,7 @@ private:
 
     MeshVertices vertices_;
     std::vector<std::uint32_t, HugePages<std::uint32_t>> indices_;
+    std::vector<MeshAttribute> attributes_;
     bool face_normals_ = false;
     Bounds3 bounds_;
 };

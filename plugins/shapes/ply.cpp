@@ -9,7 +9,8 @@
 ///
 /// Reads x y z, nx ny nz, u v (or s t, texture_u texture_v) of vertices, and vertex_indices and
 /// texcoord of faces; polygons, concave ones too, are cut into triangles. Triangle strips are read,
-/// too. A warning lists what is not read, as vertex colours. Without normals, smooth ones are
+/// too. Colours and other numbers of vertices and faces become attributes (ply_attributes.h) for
+/// the texture `mesh_attribute`. A warning lists what is not read. Without normals, smooth ones are
 /// computed.
 #include "core/base/file_bytes.h"
 #include "plugins/shapes/ply_reader.h"

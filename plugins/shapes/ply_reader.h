@@ -6,6 +6,7 @@
 
 #include "core/math/polygon.h"
 #include "plugins/shapes/mesh.h"
+#include "plugins/shapes/ply_attributes.h"
 #include "plugins/shapes/ply_source.h"
 #include "plugins/shapes/vertex_join.h"
 
@@ -120,18 +121,20 @@ private:
         if (!present[0] || !present[1] || !present[2]) {
             source_.fail("element \"vertex\" needs the properties x, y and z");
         }
+        const std::vector<PlyAttribute> attributes = ply_attributes(element, "vertex_");
+        std::vector<double> values(8 + mark_attributes(attributes, slots));
         const bool normals = present[3] && present[4] && present[5];
         const bool uvs = present[6] && present[7] && !uvs_of_faces_;
         note_unread(element, [&](std::size_t k) {
             const int slot = slots[k];
-            return slot >= 0 && (slot < 3 || (slot < 6 ? normals : uvs));
+            return slot >= 0 && (slot < 3 || (slot < 6 ? normals : slot > 7 || uvs));
         });
         MeshData& to = uvs_of_faces_ ? source_mesh_ : mesh_;
         to.world_from_file = mesh_.world_from_file;
         to.reserve(element.count, 0);
         if (normals) to.normals.reserve(element.count);
         if (uvs) to.uvs.reserve(element.count);
-        std::array<double, 8> values{};
+        const std::size_t first = add_attributes(to, attributes, false);
         for (std::uint64_t i = 0; i < element.count; ++i) {
             for (std::size_t k = 0; k < slots.size(); ++k) {
                 if (slots[k] < 0) {
@@ -144,8 +147,10 @@ private:
             to.add_position({values[0], values[1], values[2]});
             if (normals) to.add_normal({values[3], values[4], values[5]});
             if (uvs) to.uvs.emplace_back(Vector2d(values[6], values[7]));
+            add_values(to, first, attributes, &values[8]);
             if (uvs_of_faces_) vertices_.add_position();
         }
+        if (uvs_of_faces_) add_attributes(mesh_, attributes, false);
         vertex_count_ = element.count;
     }
 
@@ -153,22 +158,68 @@ private:
         if (std::none_of(element.properties.begin(), element.properties.end(), is_corners)) {
             source_.fail("element \"face\" needs the list vertex_indices or vertex_index");
         }
+        const std::vector<PlyAttribute> attributes = ply_attributes(element, "face_");
+        std::vector<int> slots(element.properties.size(), -1);
+        std::vector<double> values(8 + mark_attributes(attributes, slots));
         note_unread(element, [&](std::size_t k) {
-            return is_corners(element.properties[k]) || is_face_uvs(element.properties[k]);
+            return slots[k] >= 0 || is_corners(element.properties[k]) ||
+                   is_face_uvs(element.properties[k]);
         });
+        const std::size_t first = add_attributes(mesh_, attributes, true);
         mesh_.indices.reserve(3 * element.count);
         for (std::uint64_t i = 0; i < element.count; ++i) {
             face_uvs_.clear();
-            for (const PlyProperty& property : element.properties) {
+            for (std::size_t k = 0; k < slots.size(); ++k) {
+                const PlyProperty& property = element.properties[k];
                 if (is_corners(property)) {
                     read_corners(property, i);
                 } else if (is_face_uvs(property)) {
                     read_list(property, face_uvs_);
+                } else if (slots[k] >= 0) {
+                    values[static_cast<std::size_t>(slots[k])] = source_.next(property.type);
                 } else {
                     skip(property);
                 }
             }
+            const std::size_t before = mesh_.indices.size();
             add_face(i);
+            for (std::size_t n = before; n < mesh_.indices.size(); n += 3) {
+                add_values(mesh_, first, attributes, &values[8]);
+            }
+        }
+    }
+
+    /// Gives the numbers of attributes slots from 8 on; returns how many there are.
+    static std::size_t mark_attributes(const std::vector<PlyAttribute>& attributes,
+                                       std::vector<int>& slots) {
+        int next = 8;
+        for (const PlyAttribute& attribute : attributes) {
+            for (std::size_t c = 0; c < attribute.size; ++c)
+                slots[attribute.properties[c]] = next++;
+        }
+        return static_cast<std::size_t>(next - 8);
+    }
+
+    /// Makes room for attributes; returns where they begin. Triangles that are there have zeros.
+    static std::size_t add_attributes(MeshData& to, const std::vector<PlyAttribute>& attributes,
+                                      bool of_faces) {
+        const std::size_t first = to.attributes.size();
+        for (const PlyAttribute& a : attributes) {
+            const std::size_t before = of_faces ? to.indices.size() / 3 * a.size : 0;
+            to.attributes.push_back({.name = a.name,
+                                     .of_faces = of_faces,
+                                     .size = static_cast<std::uint32_t>(a.size),
+                                     .values = std::vector<float>(before)});
+        }
+        return first;
+    }
+
+    static void add_values(MeshData& to, std::size_t first,
+                           const std::vector<PlyAttribute>& attributes, const double* value) {
+        for (std::size_t i = 0; i < attributes.size(); ++i) {
+            for (std::size_t c = 0; c < attributes[i].size; ++c) {
+                to.attributes[first + i].values.push_back(attributes[i].decoded(*value++));
+            }
         }
     }
 
@@ -229,6 +280,12 @@ private:
                 mesh_.normals.push_back(source_mesh_.normals[index]);
             }
             mesh_.uvs.push_back(uv);
+            for (std::size_t i = 0; i < source_mesh_.attributes.size(); ++i) {
+                const MeshAttribute& from = source_mesh_.attributes[i];
+                const auto value = from.values.begin() + std::ptrdiff_t{index} * from.size;
+                std::vector<float>& to = mesh_.attributes[i].values;
+                to.insert(to.end(), value, value + from.size);
+            }
         }
         return vertex;
     }
@@ -272,6 +329,9 @@ private:
             }
             last.erase(last.begin());
             turned = !turned;
+        }
+        for (MeshAttribute& a : mesh_.attributes) {
+            if (a.of_faces) a.values.resize(mesh_.indices.size() / 3 * a.size);
         }
     }
 

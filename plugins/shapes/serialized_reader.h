@@ -165,11 +165,12 @@ private:
             read_array<std::array<Number, 2>>(
                 stream, flags & has_uvs ? vertices : 0,
                 [&](const auto& uv) { mesh_.uvs.emplace_back(Vector2d(uv[0], uv[1])); });
-            read_array<Triple>(stream, flags & has_colors ? vertices : 0, [](const Triple&) {});
-            if (flags & has_colors) {
-                mesh_.warnings.push_back(
-                    fmt::format("{}: vertex colours are not read", mesh_.name));
-            }
+            if (!(flags & has_colors)) return;
+            MeshAttribute colors{.name = "vertex_color", .values = {}};
+            read_array<Triple>(stream, vertices, [&](const Triple& c) {
+                for (const Number x : c) colors.values.push_back(static_cast<float>(x));
+            });
+            mesh_.attributes.push_back(std::move(colors));
         };
         is_double ? read_all(double()) : read_all(float());
         read_array<std::uint32_t>(stream, 3 * triangles,

@@ -17,7 +17,15 @@ public:
           color1_(params.color_input("color1", Color(0.2f), any_value, "of its neighbours")),
           to_uv_(params.transform("to_uv", "maps u and v")) {}
 
-    Color color(Vector2 uv) const override { return input(uv)(uv); }
+    Color color(Vector2 uv) const override {
+        const ColorInput& at = input(uv);
+        return at.texture ? at.texture->color(uv) : at.constant;
+    }
+    Color color_at(const Interaction& at) const override { return input(at.uv)(at); }
+    float real_at(const Interaction& at) const override {
+        const ColorInput& here = input(at.uv);
+        return here.texture ? here.texture->real_at(at) : luminance(here.constant);
+    }
     float real(Vector2 uv) const override {
         const ColorInput& at = input(uv);
         return at.texture ? at.texture->real(uv) : luminance(at.constant);

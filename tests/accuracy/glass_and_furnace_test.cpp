@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Surfaces that neither make nor lose light, and those that lose a known part.
+#include "core/math/fresnel.h"
 #include "tests/render_scene.h"
 
 #include <fmt/format.h>
@@ -42,6 +43,32 @@ TEST(GlassSlab, O11_D6_D22_TransmitsByTheAngle) {
         EXPECT_TRUE(agrees(pixel_statistics(scene.render({.per_pixel = 512})), c.transmittance))
             << c.degrees;
     }
+}
+
+/// ∫ of the slab's transmittance over the hemisphere, weighted by the cosine, over π.
+double mean_slab_transmittance() {
+    constexpr int n = 20000;
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+        const double cosine = (i + 0.5) / n;
+        const auto f = static_cast<double>(fresnel_dielectric(static_cast<float>(cosine), 1.5f));
+        sum += 2 * cosine * (1 - f) / (1 + f) / n;
+    }
+    return sum;
+}
+
+/// Sky, glass, floor, glass, camera: with T and R = 1 − T of the slab for diffuse light, the floor
+/// of reflectance ρ has the radiance ρ T / (1 − ρ R).
+TEST(GlassSlab, F19_FloorSeenThroughTheGlassThatLightsIt) {
+    const double t = mean_slab_transmittance(), floor = 0.5 * t / (1 - 0.5 * (1 - t));
+    const double expected = 0.923077 * floor + (1 - 0.923077);
+    const std::string scene =
+        slab(0.03) + shape("rectangle", scale(3) + translate({0, 0, -0.04}), diffuse(0.5)) +
+        constant_light(1) + xml({.to_world = look({0, 0, 2}, {0, 0, 0}), .fov = 20});
+    const RunningStatistics path = image_means(path_integrator() + scene, 256);
+    EXPECT_TRUE(agrees(path, expected, 0.005));
+    const RunningStatistics photons = image_means("<integrator type='sppm'/>" + scene, 8, 4);
+    EXPECT_NEAR(photons.mean(), expected, 0.02 * expected);
 }
 
 /// A directional light behind the slab, which only particles from the light can find: on a floor of

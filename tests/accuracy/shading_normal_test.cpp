@@ -32,7 +32,7 @@ Pixels pixels_of(const TestScene& scene, std::uint64_t samples, std::uint64_t fi
 /// Light that goes from the lamp to the camera and from the camera to the lamp scatters alike, at
 /// the silhouette of a coarse ball, too. With max_depth 3 it scatters twice: at the floor, or at
 /// the ball, the previous vertex of a path is the camera for one and the lamp for the other.
-TEST(ShadingNormals, G11_D10_CoarseSmoothMeshesLookAlikeFromBothEnds) {
+TEST(ShadingNormals, G11_D10_P1_CoarseSmoothMeshesLookAlikeFromBothEnds) {
     const TemporaryFolder folder;
     write_file(folder / "ball.obj", sphere_obj(2, true));
     const std::string content =

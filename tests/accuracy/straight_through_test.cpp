@@ -48,7 +48,7 @@ const std::string sun = "<emitter type='directional'><vector name='direction' va
                         std::string("<rgb name='irradiance' value='3.14159265'/></emitter>");
 const std::string ball = sphere({0, 0, 2}, 0.05, diffuse(0) + area_light(1600));  // irradiance π
 
-TEST(StraightThrough, ShadowRaysReachDeltaLights) {
+TEST(StraightThrough, P2_ShadowRaysReachDeltaLights) {
     for (const Veil& veil : veils) {
         for (const std::string& light : {lamp_over_floor, sun}) {
             for (const std::string& method :
@@ -64,7 +64,7 @@ TEST(StraightThrough, ShadowRaysReachDeltaLights) {
 }
 
 /// A lamp that is found by light sampling and by chance is weighted as if nothing were between.
-TEST(StraightThrough, G8_AreaLightsCountOnce) {
+TEST(StraightThrough, G8_P2_AreaLightsCountOnce) {
     const std::string wide =
         shape("rectangle", scale(0.5) + look({0, 0, 1.5}, {0, 0, 0}), diffuse(0) + area_light(1));
     const double irradiance = polygon_irradiance(
@@ -159,7 +159,7 @@ TEST(StraightThrough, G11_PhotonsGoThrough) {
 }
 
 /// Where a hidden lamp is, one sees what lies behind it: a lit wall, or nothing.
-TEST(HiddenEmitters, AreNotInThePicture) {
+TEST(HiddenEmitters, P6_AreNotInThePicture) {
     const std::string hidden = boolean("hide_emitters", true);
     const std::string camera =
         xml({.to_world = look({0, 0, 1}, {0, 0, 0}), .fov = 30, .width = 4, .height = 4});

@@ -6,10 +6,10 @@
 ///
 /// A sampler is a type, and parameters after it: cache:lights=128:jitter=0.5.
 /// Printed are means over the points of the relative variance, cut at 10⁴, its median and 90 %
-/// quantile (plugins/commands/comparison/light_oracle.h explains them and the bound), the number of
+/// quantile (plugins/commands/compare/light_oracle.h explains them and the bound), the number of
 /// points at which a light that contributes is never drawn, and the time of a choice and of a
 /// probability.
-#include "plugins/commands/comparison/light_oracle.h"
+#include "plugins/commands/compare/light_oracle.h"
 #include "tests/benchmarks/benchmark_samplers.h"
 
 #include <cstdio>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `lucerna compare` as users run it: figures, files, reference, and what it refuses.
 #include "core/interfaces/command.h"
-#include "plugins/commands/comparison/bias.h"
-#include "plugins/commands/comparison/page.h"
-#include "plugins/commands/comparison/statistics.h"
+#include "plugins/commands/compare/bias.h"
+#include "plugins/commands/compare/picture_text.h"
+#include "plugins/commands/compare/statistics.h"
 #include "tests/commands/process.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <random>
+#include <set>
 
 namespace lucerna {
 namespace {
@@ -214,6 +215,191 @@ TEST_F(CompareCommandTest, RefusesNonsense) {
             exit_code::scene);
     refuses({"--vary", "sensor.film.width=16,24", "--spp", "1", "--set", "sensor.film.height=16"},
             "pixels", exit_code::failure);
+}
+
+/// A comparison as a job of parts.
+class CompareByPartsTest : public CompareCommandTest {
+protected:
+    /// Four rounds, and the reference in five parts.
+    std::vector<std::string> with_reference(const std::string& output) const {
+        std::vector<std::string> words = twins;
+        words.back() = output;
+        words.insert(words.end(), {"--reference-spp", "60"});
+        return words;
+    }
+    void pack() {
+        std::vector<std::string> words = with_reference("job");
+        words.insert(words.end(), {"--parts", "--quiet"});
+        compare(words);
+    }
+    int run(const std::vector<std::string>& words) {
+        Process process(folder.path(), words);
+        const int code = process.wait();
+        errors = process.errors();
+        return code;
+    }
+    /// What merge.sh says.
+    std::string log() const { return read_whole(folder / "job/logs/merge.txt"); }
+};
+
+/// All that does not depend on time: errors, samples, seeds, the reference, the pictures.
+Report timeless(const Report& json) {
+    Report kept;
+    for (const Report& variant : json["variants"]) {
+        Report v = {variant["name"], variant["relative_mse"], variant["mse"],
+                    variant["bias"], variant["flip"],         variant["settings"]};
+        for (const Report& run : variant["runs"]) {
+            v.push_back({run["seed"], run["measured_relative_mse"], run["intersections"],
+                         run["samples_per_pixel"], run["curve"].size()});
+        }
+        kept.push_back(v);
+    }
+    kept.push_back(json["reference"]["relative_mse"]);
+    return kept;
+}
+
+std::set<std::string> keys(const Report& json) {
+    std::set<std::string> names;
+    for (const auto& [name, value] : json.items()) names.insert(name);
+    return names;
+}
+
+TEST_F(CompareByPartsTest, TellsTheSameAsOnOneMachine) {
+    compare(with_reference("out"));
+    const Report plain = report();
+    const std::string page = read_whole(folder / "out/index.html");
+    pack();
+    ASSERT_EQ(run({"farm", "job", "--local", "2", "-q"}), exit_code::success) << log();
+    const Report parts = Report::parse(read_whole(folder / "job/report.json"));
+    expect_no_null(parts, "");
+    EXPECT_EQ(timeless(parts), timeless(plain));
+    EXPECT_EQ(keys(parts), keys(plain));
+    EXPECT_EQ(keys(parts["variants"][1]["runs"][0]), keys(plain["variants"][1]["runs"][0]));
+    const std::string page_of_parts = read_whole(folder / "job/index.html");
+    const std::size_t pictures = page.find("<script type=\"text/plain\" id=\"picture-0\">");
+    ASSERT_NE(pictures, std::string::npos);
+    const std::string encoded =
+        page.substr(pictures, page.find("\"use strict\"", pictures) - pictures);
+    EXPECT_NE(page_of_parts.find(encoded), std::string::npos) << "the pictures differ";
+    const std::string csv = read_whole(folder / "job/results.csv");
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13);
+}
+
+TEST_F(CompareByPartsTest, EachRoundNamesItsMachine) {
+    pack();
+    ASSERT_EQ(run({"farm", "job", "--local", "1", "-q"}), exit_code::success) << log();
+    const Report json = Report::parse(read_whole(folder / "job/report.json"));
+    ASSERT_EQ(json["rounds"].size(), 4);
+    double product = 1;
+    for (const Report& round : json["rounds"]) {
+        EXPECT_NE(round["node"], "");
+        EXPECT_GE(round["cores"], round["threads"]);
+        EXPECT_GE(round["other_load"], 0);
+        EXPECT_LE(round["other_load"], 1);
+        product *= round["relative_speed"].get<double>();
+    }
+    EXPECT_NEAR(product, 1, 1e-6);
+    EXPECT_TRUE(json["by_parts"]);
+    EXPECT_NE(log().find("node, processor"), std::string::npos) << log();
+}
+
+TEST_F(CompareByPartsTest, FilesOfVariantsArePacked) {
+    fs::create_directory(folder / "in");
+    std::ofstream(folder / "in/a b.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::ofstream(folder / "in/c.obj") << "v 0 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n";
+    std::ofstream(folder / "in/scene.xml") << R"(<scene version="3.0.0">
+        <integrator type="path"/><sensor type="perspective">
+        <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/>
+        </transform><film type="hdrfilm"><integer name="width" value="16"/>
+        <integer name="height" value="16"/></film></sensor><emitter type="constant"/>
+        <shape type="obj" id="thing"><string name="filename" value="c.obj"/></shape></scene>)";
+    ASSERT_EQ(run({"compare", "in/scene.xml", "--vary", "thing.filename=a b.obj,c.obj", "--spp",
+                   "2", "--repeats", "2", "--reference-spp", "8", "--parts", "-o", "job", "-q"}),
+              exit_code::success)
+        << errors;
+    fs::rename(folder / "in", folder / "gone");
+    ASSERT_EQ(run({"farm", "job", "--local", "1", "-q"}), exit_code::success) << log();
+    EXPECT_TRUE(fs::exists(folder / "job/scene/a_b.obj"));
+}
+
+TEST_F(CompareByPartsTest, MissingAndWrongPartsAreToldByName) {
+    pack();
+    ASSERT_EQ(run({"farm", "job", "--local", "2", "-q"}), exit_code::success) << log();
+    fs::remove(folder / "job/index.html");
+    const auto collect = [&](const std::string& message) {
+        fs::remove(folder / "job/logs/merge.txt");
+        EXPECT_EQ(run({"farm", "job", "--local", "1", "-q"}), exit_code::failure);
+        EXPECT_NE(log().find(message), std::string::npos) << log();
+        EXPECT_FALSE(fs::exists(folder / "job/index.html"));
+    };
+    const fs::path second = folder / "job/parts/2.exr", kept = folder / "kept.exr";
+    fs::rename(second, kept);
+    fs::copy(folder / "job/parts/1.exr", second);
+    collect("./parts/2.exr does not belong here: it is round 1");
+    fs::copy(folder / "job/parts/5.exr", second, fs::copy_options::overwrite_existing);
+    fs::remove(folder / "job/logs/merge.txt");
+    EXPECT_EQ(run({"farm", "job", "--local", "1", "-q"}), exit_code::file);
+    EXPECT_NE(log().find("./parts/2.exr is damaged, or no round of a comparison"),
+              std::string::npos);
+    fs::remove(second);
+    Process process(
+        folder / "job",
+        {"compare", "scene/scene.xml", "--vary", "integrator.light_sampler=uniform,power", "--spp",
+         "3", "--repeats", "4", "--seed", "1", "--round", "2", "-o", "parts/2.exr", "-q"});
+    ASSERT_EQ(process.wait(), exit_code::success) << process.errors();
+    collect("./parts/2.exr is a round of another comparison:");
+    fs::remove(second);
+    ASSERT_EQ(run({"farm", "job", "--status"}), exit_code::success);
+    Process alone(
+        folder / "job",
+        {"compare", "scene/scene.xml", "--vary", "integrator.light_sampler=uniform,uniform,power",
+         "--spp", "4", "--repeats", "4", "--reference-spp", "60", "--collect", "-o", "."});
+    EXPECT_EQ(alone.wait(), exit_code::failure);
+    EXPECT_NE(alone.errors().find("parts of the comparison are missing: parts/2.exr (round 2)"),
+              std::string::npos)
+        << alone.errors();
+}
+
+TEST_F(CompareByPartsTest, RefusesNonsense) {
+    const std::string vary = "integrator.light_sampler=uniform,power";
+    const auto no = [&](std::vector<std::string> words, const std::string& message) {
+        words.insert(words.end(), {"--vary", vary});
+        refuses(words, message);
+    };
+    no({"--time", "1", "--parts"}, "--parts needs --reference-spp N or --reference FILE");
+    no({"--spp", "1", "--parts", "--collect"}, "give only one of --parts, --round and --collect");
+    no({"--spp", "1", "--submit"}, "--submit and --slurm are for --parts");
+    no({"--spp", "1", "--parts", "--slurm", "long"}, "is no option of sbatch");
+    no({"--spp", "1", "--repeats", "3", "--round", "4"}, "there are only rounds 1 to 3");
+    no({"--spp", "1", "--parts", "--json"}, "--json is for the report");
+    pack();
+    std::vector<std::string> again = twins;
+    again.back() = "job";
+    again.push_back("--parts");
+    compare(again, exit_code::failure);
+    EXPECT_NE(errors.find("job is the folder of a job already"), std::string::npos) << errors;
+}
+
+/// On machines whose speeds differ by factors, the interval of a paired ratio stays narrow.
+TEST(ComparisonStatistics, PairedRatiosKnowNoMachines) {
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> normal;
+    int covered = 0, wider = 0;
+    constexpr int trials = 2000;
+    for (int trial = 0; trial < trials; ++trial) {
+        std::vector<double> a, b;
+        for (int i = 0; i < 5; ++i) {
+            const double machine = std::exp(normal(random));
+            a.push_back(3 * machine * std::exp(0.1 * normal(random)));
+            b.push_back(machine * std::exp(0.1 * normal(random)));
+        }
+        const Interval paired = paired_ratio(a, b), unpaired = ratio_of_means(a, b);
+        covered += paired.low < 3 && 3 < paired.high;
+        wider += unpaired.high / unpaired.low > paired.high / paired.low;
+    }
+    // Standard error of the share: 0.005.
+    EXPECT_NEAR(double(covered) / trials, 0.95, 0.015);
+    EXPECT_GT(wider, trials * 99 / 100);
 }
 
 TEST(ComparisonStatistics, StudentsQuantiles) {

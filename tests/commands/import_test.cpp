@@ -272,6 +272,47 @@ TEST_F(Import, gltf_pictures_of_roughness_metal_and_normals) {
                         square(1, "<translate x='0.5' y='0.5'/>", glass, false) + lamp);
 }
 
+TEST_F(Import, gltf_colours_of_vertices) {
+    std::string text = gltf_model;
+    const auto replace = [&](const std::string& from, const std::string& to) {
+        ASSERT_NE(text.find(from), std::string::npos);
+        text.replace(text.find(from), from.size(), to);
+    };
+    // The floor, whose material is white then, and not the step.
+    replace(R"("POSITION": 0})", R"("POSITION": 0, "COLOR_0": 2})");
+    replace("[0.5, 0.4, 0.3, 1]", "[0.5, 0.5, 0.5, 1]");
+    replace(R"("type": "SCALAR"})",
+            R"("type": "SCALAR"}, {"bufferView": 2, "componentType": 5126, "count": 4,
+               "type": "VEC3"})");
+    replace(R"("byteLength": 12})",
+            R"("byteLength": 12}, {"buffer": 0, "byteOffset": 60, "byteLength": 48})");
+    replace(R"("byteLength": 60,)", R"("byteLength": 108,)");
+    std::string buffer = gltf_buffer();
+    for (const float x : {0.2f, 0.4f, 0.6f, 0.2f, 0.4f, 0.6f, 0.8f, 0.4f, 0.1f, 0.8f, 0.4f, 0.1f}) {
+        const auto bits = std::bit_cast<std::uint32_t>(x);
+        for (int i = 0; i < 4; ++i) buffer += static_cast<char>(bits >> (8 * i) & 255);
+    }
+    write("model.gltf", text);
+    write("model.bin", buffer);
+    expect_words(run({"import", "model.gltf"}), {"vertex colours"});
+    // Corners in the order of the file; a fan of two triangles.
+    write("floor.ply",
+          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+          "property float z\nproperty float r\nproperty float g\nproperty float b\n"
+          "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+          "-2 0 -2 0.1 0.2 0.3\n-2 0 2 0.1 0.2 0.3\n2 0 2 0.4 0.2 0.05\n2 0 -2 0.4 0.2 0.05\n"
+          "3 0 1 2\n3 0 2 3\n");
+    const std::string floor =
+        "<shape type='ply'><string name='filename' value='floor.ply'/><bsdf type='twosided'>"
+        "<bsdf type='principled'><texture type='mesh_attribute' name='base_color'>"
+        "<string name='name' value='vertex_color'/></texture>"
+        "<float name='roughness' value='0.6'/><float name='metallic' value='0'/></bsdf></bsdf>"
+        "</shape>";
+    expect_same_picture(
+        eye(gltf_view) + floor +
+        square(1, "<translate x='0.5' y='0.5'/>", principled("0.6, 0.6, 0.7", 0.7, 1)) + lamp);
+}
+
 TEST_F(Import, gltf_pictures_lie_where_their_transform_puts_them) {
     // Eight texels in a row, green between 3/8 and 7/8; the rest is red.
     Image8 row{.width = 8, .height = 1, .pixels = {}};

@@ -73,6 +73,31 @@ TEST_F(PreviewTest, a_crop_is_where_it_belongs) {
     EXPECT_EQ(image.rgb(15, 14), Color(0));
 }
 
+TEST_F(PreviewTest, a_part_shows_itself) {
+    const Words part = {"-q", "--spp", "8", "--part", "2/4"};
+    const auto with = [&](Words more) {
+        more.insert(more.end(), part.begin(), part.end());
+        return more;
+    };
+    TevServer tev;
+    render(with({"-o", "2.exr", "--preview", tev.place()}));
+    tev.stop();
+    ASSERT_EQ(tev.images().size(), 1u);
+    EXPECT_TRUE(tev.created().back().starts_with("2.exr (2 spp, ")) << tev.created().back();
+    const Image& image = tev.images().at(tev.created().back());
+    // The picture of a state file has halves.
+    const std::vector<float> seen = window(image, 0, 0, 32, 24), kept = rgb_of_file("2.exr");
+    for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_NEAR(seen[i], kept[i], 1e-3f * kept[i]);
+
+    std::string lines = render(with({"-o", "3.exr", "--json-progress"}));
+    lines.pop_back();
+    const nlohmann::json last = nlohmann::json::parse(lines.substr(lines.rfind('\n') + 1));
+    EXPECT_EQ(last.at("state"), "finished");
+    EXPECT_EQ(last.at("file"), "3.exr");
+    EXPECT_EQ(last.at("samples"), "2-3");
+    EXPECT_EQ(plane("3.exr"), plane("2.exr"));
+}
+
 TEST_F(PreviewTest, no_viewer_changes_a_bit_or_the_exit_code) {
     const Words words = {"--spp", "128", "--resolution", "150x100"};
     const auto with = [&](Words more) {

@@ -31,6 +31,16 @@ TEST_F(RenderCommandTest, writes_both_pictures_and_tells_the_figures) {
     expect_no_leftovers();
 }
 
+/// The C library has other versions of its functions for older processors.
+TEST_F(RenderCommandTest, N9_TheImageDoesNotDependOnTheVersionOfMathFunctions) {
+    render({"-q", "-o", "new"});
+    render({"-q", "-o", "old"}, exit_code::success,
+           {.environment = "GLIBC_TUNABLES=glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX"});
+    for (const char* channel : {"R", "G", "B", "A"}) {
+        EXPECT_EQ(plane("new.exr", channel), plane("old.exr", channel)) << channel;
+    }
+}
+
 TEST_F(RenderCommandTest, output_may_have_either_extension_or_none) {
     for (const char* name : {"a.exr", "b.png", "c", "d.v2"})
         render({"-q", "--spp", "1", "-o", name});
@@ -60,7 +70,7 @@ TEST_F(RenderCommandTest, quiet_prints_nothing) {
     EXPECT_EQ(errors, "");
 }
 
-TEST_F(RenderCommandTest, a_scene_without_light_is_told_once_it_is_black) {
+TEST_F(RenderCommandTest, P9_a_scene_without_light_is_told_once_it_is_black) {
     std::string scene = small_scene;
     for (std::size_t at; (at = scene.find("<emitter")) != std::string::npos;) {
         const std::string_view end = "</emitter>";

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Opens the page of a small comparison in headless Chromium: no errors, no network, a chart, and
-# pictures that flip, split, and change with exposure. Exit code 77: there is no Chromium.
+# Opens the page of a small comparison, made in parts, in headless Chromium: no errors, no network,
+# a chart, machines, and pictures that flip, split, and change with exposure. Exit code 77: there is
+# no Chromium.
 #
 #   tests/commands/report_page.sh PATH-OF-LUCERNA
 set -euo pipefail
@@ -16,7 +17,8 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
 "$lucerna" compare "$root/scenes/cornell-box/scene.xml" --resolution 48x40 --spp 2 --repeats 3 \
-    --vary integrator.light_sampler=uniform,power,all --quiet -o "$scratch/out"
+    --vary integrator.light_sampler=uniform,power,all --quiet -o "$scratch/out" --parts
+"$lucerna" farm "$scratch/out" --local 2 --quiet
 
 # A copy of the page with an ear for errors at its head and a visitor at its end.
 cat > "$scratch/head.html" << 'END'
@@ -56,6 +58,8 @@ function visit() {
     expect(chart.data.datasets.length === 13, "four data sets for each variant, and the guide");
     expect(chart.data.datasets[0].data.length > 10, "a curve");
     expect(element("table").rows.length === 4, "a row for each variant");
+    expect(!element("machines").hidden && element("machines-table").rows.length === 4,
+           "a row for the machine of each round");
 
     const seen = new Set();
     for (const key of ["0", "1", "2", "3"]) {

@@ -10,7 +10,7 @@ set -euo pipefail
 root=$(dirname -- "$(dirname -- "$(dirname -- "$(readlink -f -- "$0")")")")
 lucerna=$(readlink -f -- "$1")
 PATH=$PATH:/usr/sbin:/sbin
-for program in slurmctld slurmd sbatch squeue scontrol; do
+for program in slurmctld slurmd sbatch squeue scontrol python3; do
     command -v "$program" > /dev/null && continue
     echo "skipped: $program is not installed (package slurm-wlm)"
     exit 77
@@ -58,7 +58,13 @@ wait_for() {
 
 host=$(hostname -s)
 export SLURM_CONF=$scratch/slurm.conf
-sed -e "s|@HOST@|$host|; s|@FOLDER@|$scratch|" "$root/tests/commands/slurm.conf.in" > "$SLURM_CONF"
+# Three ports that nobody uses.
+read -r controller one two < <(python3 -c '
+import socket
+sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(3)]
+print(*(s.getsockname()[1] for s in sockets))')
+sed -e "s|@HOST@|$host|; s|@FOLDER@|$scratch|; s|@CONTROLLER@|$controller|" \
+    -e "s|@ONE@|$one|; s|@TWO@|$two|" "$root/tests/commands/slurm.conf.in" > "$SLURM_CONF"
 mkdir "$scratch/state"
 slurmctld -D > "$scratch/controller.log" 2>&1 &
 daemons+=($!)
@@ -117,3 +123,13 @@ grep -q '8 of 8 parts done' status.txt || fail "the status is wrong"
 [[ -n $was_done || $(grep -c '^start' "job/records/$lost.txt") -ge 2 ]] ||
     fail "part $lost was not started again"
 echo "eight parts, one lost node, one requeued part: the same bits"
+
+# A comparison: two rounds and the reference, and each round says which node it was timed on.
+"$lucerna" compare "$scene" --resolution 32x32 --vary integrator.light_sampler=uniform,power \
+    --spp 2 --repeats 2 --parts -o comparison --quiet --submit
+job=$(cut -d ' ' -f 1 comparison/slurm_jobs.txt)
+collected() { hurry && [[ -e comparison/index.html ]]; }
+wait_for 120 "the comparison is never collected: $(squeue; cat comparison/logs/*)" collected
+[[ $(grep -cE '"node": "(one|two)"' comparison/report.json) == 3 ]] ||
+    fail "the report does not name the nodes"
+echo "a comparison by two nodes"

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Renders scenes, meshes and pictures that were damaged at random.
+"""Renders scenes, meshes, pictures and volumes that were damaged at random.
 
     tests/fuzz/mutations.py [--lucerna PROGRAM] [--rounds 300] [--seed 0] [--keep FOLDER]
 
-Each round takes a scene, a mesh or a picture that is right, changes some of its bytes, numbers or
-lines, and renders it. Whatever the change, the program must end within ten seconds with an exit
-code that is documented, and each error must tell its place: file, line and column. What breaks
-this is kept, and the exit code is 1. The same seed makes the same changes.
+Each round takes a scene, a mesh, a picture or a volume that is right, changes some of its bytes,
+numbers or lines, and renders it. Whatever the change, the program must end within ten seconds with
+an exit code that is documented, and each error must tell its place: file, line and column. What
+breaks this is kept, and the exit code is 1. The same seed makes the same changes.
 """
 import argparse
 import os
@@ -35,6 +35,10 @@ PICTURE = CAMERA + """<shape type="sphere"><bsdf type="diffuse">
 <texture type="bitmap" name="reflectance"><string name="filename" value="{name}"/></texture>
 </bsdf></shape></scene>"""
 
+VOLUME = CAMERA.replace('"path"', '"volpath"') + """<shape type="cube">
+<medium type="heterogeneous" name="interior"><volume type="gridvolume" name="sigma_t">
+<string name="filename" value="{name}"/></volume></medium></shape></scene>"""
+
 SECONDS = 10
 MEMORY = 8 << 30  # address space [bytes]; a damaged file must not ask for more
 EXIT_CODES = (0, 3, 5)  # success, wrong scene, file that cannot be read
@@ -47,11 +51,13 @@ PLACED = re.compile(r"^[^:]+:\d+:\d+: (error|warning): ")
 def seeds():
     """(name, bytes, scene or None) of what is to be damaged; no scene: it is one."""
     found = []
-    for folder in ("obj_fuzz", "ply_fuzz", "serialized_fuzz", "image_fuzz"):
+    for folder in ("obj_fuzz", "ply_fuzz", "serialized_fuzz", "image_fuzz", "vol_fuzz"):
         for name in sorted(os.listdir(os.path.join(CORPUS, folder))):
             kind = name.rsplit(".", 1)[1]
             if folder == "image_fuzz":
                 scene = PICTURE.format(name=name)
+            elif folder == "vol_fuzz":
+                scene = VOLUME.format(name=name)
             else:
                 scene = MESH.format(kind=kind, name=name)
             with open(os.path.join(CORPUS, folder, name), "rb") as file:

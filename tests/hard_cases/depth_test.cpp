@@ -20,7 +20,7 @@ std::string wall_seen_by(const std::string& camera, double near_clip, double deg
            shape("rectangle", scale(5) + translate({0, 0, 1}), "");
 }
 
-TEST(Depth, CountsFromTheLensAndNotFromTheNearClipPlane) {
+TEST(Depth, P7_CountsFromTheLensAndNotFromTheNearClipPlane) {
     for (const char* camera : {"perspective", "thinlens", "orthographic"}) {
         for (const double near_clip : {0.01, 0.5}) {
             for (const double degrees : {0.0, 30.0}) {

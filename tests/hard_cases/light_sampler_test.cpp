@@ -3,12 +3,10 @@
 /// are drawn, and leave out no light that contributes.
 #include "core/interfaces/light_sampler.h"
 #include "core/interfaces/bsdf.h"
+#include "plugins/commands/contracts/light_sampler.h"
+#include "plugins/commands/contracts/light_scenes.h"
 #include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
-
-#include <fmt/format.h>
-
-#include <random>
 
 namespace lucerna {
 namespace {
@@ -18,167 +16,57 @@ class LightSamplers : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(All, LightSamplers, testing::ValuesIn(tested_samplers()),
                          [](const auto& type) { return type.param; });
 
-/// A few rooms' worth of lights of all kinds and of very different powers.
-std::string many_lights(double size = 1) {
-    const auto at = [&](double x, double y, double z) { return size * Vector3d(x, y, z); };
-    std::string content =
-        xml({.to_world = look(at(4, -6, 5), at(0, 0, 0)),
-             .fov = 60,
-             .near_clip = 1e-3 * size,
-             .far_clip = 1e6 * size}) +
-        shape("rectangle", scale(10 * size), diffuse(0.5)) +
-        shape("rectangle", scale(0.5 * size) + translate(at(-2, 1, 0.01)), area_light(3)) +
-        shape("rectangle", scale(size) + look(at(1, 1, 3), at(0, 0, 0)), area_light(2)) +
-        shape("disk", scale(0.3 * size) + look(at(-3, 1, 2), at(-4, 1, 2)), area_light(9)) +
-        sphere(at(2, -2, 1), 0.4 * size, area_light(5)) +
-        shape("cube", scale(0.2 * size) + translate(at(0, 3, 1)), area_light(0.1)) +
-        shape("sphere", scale(1e-4 * size) + translate(at(0, 0, 1)), area_light(1e3)) +
-        constant_light(0.1) +
-        "<emitter type='directional'><vector name='direction' value='1, 0, -1'/></emitter>";
-    for (int i = 0; i < 20; ++i) {
-        const double x = std::cos(2.4 * i), y = std::sin(2.4 * i);
-        content += point_light(at(0.2 * i * x, 0.2 * i * y, 0.1 + 0.1 * i),
-                               size * size * std::pow(10, 0.25 * (i % 9) - 1));
-        content += fmt::format(
-            "<emitter type='spot'><rgb name='intensity' value='{}'/>"
-            "<float name='cutoff_angle' value='{}'/><transform name='to_world'>{}</transform>"
-            "</emitter>",
-            size * size * (1 + i), 5 + 8 * i, look(at(3 * y, 3 * x, 2), at(x, 0.1 * i, 0)));
-    }
-    return content;
-}
-
-/// Points and normals all over the place, some of them on lights or at their centres.
 std::vector<Receiver> receivers(int count, float size = 1) {
-    std::mt19937 engine(1);
-    std::uniform_real_distribution<float> number(-1, 1);
-    std::vector<Receiver> result;
-    for (int i = 0; i < count; ++i) {
-        const float x = number(engine), y = number(engine), z = number(engine);
-        const float a = number(engine), b = number(engine), c = number(engine);
-        Receiver at{.p = size * Vector3(4 * x, 4 * y, 2 + 2 * z),
-                    .n = glm::normalize(Vector3(a, b, c)),
-                    .error = 1e-6f * size};
-        at.ns = at.n;
-        at.sides = i % 3 == 0 ? Sides::both : Sides::front;
-        result.push_back(at);
-    }
-    for (const Vector3 p : {Vector3(2, -2, 1), Vector3(0, 0, 1), Vector3(1, 1, 3), Vector3(0),
-                            Vector3(-2, 1, 0.01f), Vector3(0, 0, 0.1f)}) {
-        result.push_back({.p = size * p, .sides = Sides::both});
-    }
-    return result;
+    return contracts::scattered_points(count, size);
 }
 
-/// True if light of this light can reach the receiver's side.
-bool contributes(const Light& light, const Receiver& at) {
-    for (int i = 0; i < 16; ++i) {
-        const Vector2 u(static_cast<float>(i % 4) / 4 + 0.1f, static_cast<float>(i / 4) / 4 + 0.1f);
-        const auto sample = light.emitter->sample_li(light, at, u);
-        if (!sample || is_black(sample->radiance) || !(sample->pdf > 0)) continue;
-        const float cosine = glm::dot(sample->wi, at.n);
-        if (at.sides == Sides::both ? cosine != 0 : cosine > 1e-5f) return true;
+/// A sampler among lights of all kinds, tried at some points.
+class AmongManyLights {
+public:
+    AmongManyLights(const std::string& type, int points)
+        : sampler_(tested_sampler(type), test_.scene()), points_(receivers(points)) {}
+    contracts::LightSamplerTrial trial() const {
+        return {.sampler = *sampler_, .scene = test_.scene(), .points = points_};
     }
-    return false;
-}
+
+private:
+    TestScene test_{contracts::many_lights()};
+    PreparedSampler sampler_;
+    std::vector<Receiver> points_;
+};
 
 double sum_of_probabilities(const LightSampler& sampler, const Receiver& at, std::size_t lights) {
     double sum = 0;
     for (std::uint32_t light = 0; light < lights; ++light) {
-        const float p = sampler.pmf(at, light);
-        EXPECT_TRUE(std::isfinite(p) && p >= 0) << light << ": " << p;
-        sum += static_cast<double>(p);
+        sum += static_cast<double>(sampler.pmf(at, light));
     }
     return sum;
 }
 
 TEST_P(LightSamplers, E7_E12_E16_ProbabilitiesAddUp) {
-    const TestScene test(many_lights());
-    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
-    for (const Receiver& at : receivers(300)) {
-        const double sum = sum_of_probabilities(*sampler, at, test.scene().lights().size());
-        EXPECT_LE(sum, sampler->draws() * (1 + 1e-5));
-        // Less only as far as draws choose no light.
-        constexpr int trials = 4000;
-        double empty = 0;
-        const std::uint32_t draws = std::min(sampler->draws(), 8u);
-        for (int i = 0; i < trials; ++i) {
-            for (std::uint32_t draw = 0; draw < draws; ++draw) {
-                const float u = (static_cast<float>(i) + 0.5f) / trials;
-                empty += !sampler->sample(at, draw, u);
-            }
-        }
-        EXPECT_NEAR(sum / sampler->draws(), 1 - empty / (trials * draws), 2e-3)
-            << text_of(Vector3d(at.p));
-    }
+    EXPECT_TRUE(holds(contracts::pmf_sums(AmongManyLights(GetParam(), 300).trial())));
 }
 
 TEST_P(LightSamplers, E3_E8_E13_E14_E15_NoContributingLightIsLeftOut) {
-    const TestScene test(many_lights());
-    const Scene& scene = test.scene();
-    const PreparedSampler sampler(tested_sampler(GetParam()), scene);
-    int pairs = 0;
-    for (const Receiver& at : receivers(2000)) {
-        for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            if (sampler->pmf(at, i) > 0 || !contributes(scene.lights()[i], at)) continue;
-            ++pairs;
-        }
-    }
-    EXPECT_EQ(pairs, 0);
+    EXPECT_TRUE(holds(contracts::pmf_support(AmongManyLights(GetParam(), 2000).trial())));
 }
 
 TEST_P(LightSamplers, E9_C21_DrawnProbabilityIsTheEvaluatedOne) {
-    const TestScene test(many_lights());
-    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
-    for (const Receiver& at : receivers(200)) {
-        for (const float u : {0.0f, 0x1p-24f, 0.1f, 0.37f, 0.5f, 0.73f, 0.9f, 1 - 0x1p-24f}) {
-            for (std::uint32_t draw = 0; draw < sampler->draws(); ++draw) {
-                const auto choice = sampler->sample(at, draw, u);
-                if (!choice) continue;
-                ASSERT_LT(choice->light, test.scene().lights().size());
-                EXPECT_GT(choice->pmf, 0);
-                EXPECT_EQ(choice->pmf, sampler->pmf(at, choice->light));
-            }
-        }
-    }
+    EXPECT_TRUE(holds(contracts::pmf_of_draws(AmongManyLights(GetParam(), 200).trial())));
 }
 
 TEST_P(LightSamplers, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
-    const TestScene test(many_lights());
-    const std::size_t lights = test.scene().lights().size();
-    const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
-    std::mt19937 engine(2);
-    std::uniform_int_distribution<int> bits(0, (1 << 24) - 1);
-    const bool one_draw_each = sampler->draws() > 1;
-    for (const Receiver& at : receivers(6)) {
-        constexpr int trials = 60000;
-        std::vector<double> observed(lights + 1), expected(lights + 1);
-        for (int i = 0; i < trials; ++i) {
-            for (std::uint32_t draw = 0; draw < sampler->draws(); ++draw) {
-                const float u = static_cast<float>(bits(engine)) * 0x1p-24f;
-                const auto choice = sampler->sample(at, draw, u);
-                ++observed[choice ? choice->light : lights];
-            }
-        }
-        double rest = sampler->draws();
-        for (std::uint32_t i = 0; i < lights; ++i) {
-            expected[i] = trials * static_cast<double>(sampler->pmf(at, i));
-            rest -= static_cast<double>(sampler->pmf(at, i));
-        }
-        expected[lights] = rest > 2e-6 * sampler->draws() ? trials * rest : 0;
-        if (one_draw_each && observed == expected) continue;  // nothing is left to chance
-        EXPECT_TRUE(counts_match(observed, expected, 1e-3 / 12));
-    }
+    EXPECT_TRUE(holds(contracts::draw_frequencies(AmongManyLights(GetParam(), 6).trial(), {})));
 }
 
 TEST_P(LightSamplers, E11_UnitsOfLengthDoNotMatter) {
     if (GetParam() == "bvh") GTEST_SKIP() << "compares the square of a distance to a length";
-    const TestScene reference(many_lights());
+    const TestScene reference(contracts::many_lights());
     const PreparedSampler sampler(tested_sampler(GetParam()), reference.scene());
     const std::vector<Receiver> points = receivers(50);
     // Powers of two: rounding is the same, and so are the splits of trees.
     for (const double size : {0x1p-10, 0x1p10}) {
-        const TestScene scaled(many_lights(size));
+        const TestScene scaled(contracts::many_lights(size));
         const PreparedSampler other(tested_sampler(GetParam()), scaled.scene());
         const std::vector<Receiver> there = receivers(50, static_cast<float>(size));
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -251,7 +139,7 @@ TEST_P(LightSamplers, E5_ADimLightBesideABrightOneIsNeverForgotten) {
     const PreparedSampler sampler(tested_sampler(GetParam()), test.scene());
     for (const Receiver& at : receivers(100)) {
         for (std::uint32_t light = 0; light < 3; ++light) {
-            if (contributes(test.scene().lights()[light], at)) {
+            if (contracts::contributes(test.scene(), test.scene().lights()[light], at, false)) {
                 EXPECT_GT(sampler->pmf(at, light), 0);
             }
         }

@@ -121,6 +121,28 @@ std::string refusal(const TestScene& scene) {
     return "nothing was said";
 }
 
+/// A wide filter reaches over the border of the image, where pixels are to be as bright as others.
+TEST_P(PhotonHardCases, H3_TheBorderIsAsBrightAsTheMiddle) {
+    const TestScene scene(integrator(type()) + shape("rectangle", scale(1.5), diffuse(0.5)) +
+                          constant_light(1) +
+                          xml({.to_world = look({0, 0, 1}, {0, 0, 0}),
+                               .width = 12,
+                               .height = 12,
+                               .rfilter = "gaussian",
+                               .type = "orthographic"}));
+    // Noise of ½ % at the border.
+    const FilmState film = scene.render({.per_pixel = type() == "ptracer" ? 4096u : 8u});
+    RunningStatistics border, middle;
+    for (std::size_t i = 0; i < film.pixel_count(); ++i) {
+        const std::size_t x = i % 12, y = i / 12;
+        const bool outside = x == 0 || y == 0 || x == 11 || y == 11;
+        const bool inside = x > 2 && y > 2 && x < 9 && y < 9;
+        if (outside || inside) (outside ? border : middle).add(film.mean(i, 0));
+    }
+    EXPECT_NEAR(border.mean() / middle.mean(), 1, 0.02);
+    EXPECT_NEAR(middle.mean(), 0.5, 0.01);
+}
+
 TEST_P(PhotonHardCases, FluxThatIsNotFiniteIsRefusedWithItsOrigin) {
     const TestScene scene(integrator(type()) + shape("rectangle", scale(1), diffuse(0.5)) +
                           point_light({0, 0, 2}, 1) + point_light({1, 2, 3}, 1e38) +

@@ -204,7 +204,7 @@ TEST(Libraries, M10_TheFirstFolderWins) {
                  Registry().find("bsdf", "conductor").summary);
 }
 
-TEST(Libraries, NamesCannotLeaveTheirFolder) {
+TEST(Libraries, P10_NamesCannotLeaveTheirFolder) {
     Registry registry;
     for (const char* name : {"../bsdfs/diffuse", "/etc/passwd", "", "diffuse.so", "a/b", "."}) {
         EXPECT_TRUE(registry.path("bsdf", name).empty()) << name;

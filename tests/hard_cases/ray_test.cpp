@@ -143,6 +143,35 @@ TEST(ClosedMeshes, A8_InsideAndOutsideAlternateAlongARay) {
 }
 
 /// Strips a thousand times longer than wide, seen edge-on: hits lie where the triangle is.
+/// The largest distance from the second focus of a mirror of half axes 5, 3, 3 at which rays pass
+/// that left the first one: a ball of 4 n² smooth triangles that is stretched.
+float miss_of_focus(int n) {
+    const TemporaryFolder folder;
+    write_file(folder / "sphere.obj", sphere_obj(n, true));
+    const TestScene mirror(mesh("sphere.obj", "<scale x='5' y='3' z='3'/>", ""), folder.path());
+    const Vector3 first(-4, 0, 0), second(4, 0, 0);
+    Random random(7);
+    float worst = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const auto hit = mirror.scene().intersect({.o = first, .d = random.direction()});
+        EXPECT_TRUE(hit);
+        if (!hit) continue;
+        const Vector3 wo = glm::normalize(first - hit->p);
+        const Vector3 wi = hit->to_world(reflect(hit->to_local(wo)));
+        worst = std::max(worst, glm::length(glm::cross(second - hit->p, wi)));
+        EXPECT_NEAR(glm::distance(first, hit->p) + glm::distance(hit->p, second), 10,
+                    100.0 / (n * n));
+    }
+    return worst;
+}
+
+TEST(ClosedMeshes, O21_I3_AnEllipsoidMirrorsOneFocusToTheOther) {
+    const float coarse = miss_of_focus(32), fine = miss_of_focus(128);
+    EXPECT_LT(fine, 0.02f);
+    // The error of position and normal falls with the square of the size of triangles.
+    EXPECT_LT(fine, coarse / 8);
+}
+
 TEST(ManyRays, MeetWhatEachMeetsAlone) {
     const ClosedMesh mesh("<scale x='1' y='0.3' z='1'/>");
     const Scene& scene = mesh.scene();

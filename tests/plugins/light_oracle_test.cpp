@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The oracle of `lucerna compare --oracle`: closed forms, and the variance of real draws.
-#include "plugins/commands/comparison/light_oracle.h"
+#include "plugins/commands/compare/light_oracle.h"
 
 #include "tests/render_scene.h"
 

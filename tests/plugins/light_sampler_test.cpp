@@ -5,6 +5,8 @@
 
 #include "core/image/exr.h"
 #include "core/interfaces/bsdf.h"
+#include "plugins/commands/contracts/light_sampler.h"
+#include "plugins/commands/contracts/light_scenes.h"
 #include "plugins/light_samplers/light_study.h"
 #include "plugins/light_samplers/pilot_paths.h"
 #include "tests/paths.h"
@@ -21,115 +23,47 @@ class SeenLights : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(All, SeenLights, testing::ValuesIn(tested_samplers()),
                          [](const auto& type) { return type.param; });
 
-/// Blocks on a floor between lamps, half of which are hidden, under a dim sky; `integrator` is
-/// the first thing in the scene.
-std::string courtyard(const std::string& integrator, int width = 16) {
-    std::string text = integrator + shape("rectangle", scale(10), diffuse(0.5)) +
-                       xml({.to_world = look({7, -8, 6}, {0, 0, 0.5}),
-                            .fov = 50,
-                            .width = width,
-                            .height = width,
-                            .sampler = "sobol"}) +
-                       constant_light(0.02);
-    for (int i = 0; i < 25; ++i) {
-        const double x = 2.0 * (i % 5) - 4, y = 2.0 * (i / 5) - 4;
-        text += shape("cube", scale(0.4) + translate({x, y, 0.4}), diffuse(0.7));
-        text += shape("rectangle", scale(0.1) + look({x + 0.405, y, 0.5}, {x + 1, y, 0.5}),
-                      area_light(3));
-        text += point_light({x + 1, y + 0.7, 0.3}, 0.2 + 0.05 * i);
-        text += sphere({x - 0.9, y + 0.2, 0.2}, 0.05, area_light(20));
-    }
-    return text;
-}
+using contracts::courtyard;
 
 std::vector<Receiver> seen_points(const Scene& scene, std::uint32_t paths) {
     return pilot_receivers(scene, {.count = paths, .bounces = 1, .seed = 5}, Workers(1));
 }
 
-/// True if some of 16 samples of the light reach the front of the point.
 bool contributes(const Scene& scene, const Light& light, const Receiver& at) {
-    for (int i = 0; i < 16; ++i) {
-        const Vector2 u(static_cast<float>(i % 4) / 4 + 0.1f, static_cast<float>(i / 4) / 4 + 0.1f);
-        const auto sample = light.emitter->sample_li(light, at, u);
-        if (!sample || is_black(sample->radiance) || !(sample->pdf > 0)) continue;
-        if (glm::dot(sample->wi, at.n) > 1e-5f && !scene.occluded(at, *sample)) return true;
-    }
-    return false;
+    return contracts::contributes(scene, light, at, true);
 }
 
-TEST_P(SeenLights, E7_E8_E9_ProbabilitiesHoldAtPointsThatTheCameraSees) {
-    const TestScene test(courtyard(""));
-    const Scene& scene = test.scene();
-    const PreparedSampler prepared(tested_sampler(GetParam()), scene);
-    const LightSampler& sampler = *prepared;
-    int checked = 0;
-    for (const Receiver& at : seen_points(scene, 300)) {
-        double sum = 0;
-        for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            const float p = sampler.pmf(at, i);
-            sum += static_cast<double>(p);
-            if (contributes(scene, scene.lights()[i], at)) {
-                EXPECT_GT(p, 0) << "light " << i;
-                ++checked;
-            }
-        }
-        EXPECT_LE(sum, sampler.draws() * (1 + 1e-5));
-        for (const float u : {0.0f, 0x1p-24f, 0.2f, 0.5f, 0.8f, 0.95f, 1 - 0x1p-24f}) {
-            const auto choice = sampler.sample(at, 0, u);
-            if (!choice) continue;
-            EXPECT_GT(choice->pmf, 0);
-            EXPECT_EQ(choice->pmf, sampler.pmf(at, choice->light));
-        }
+/// A sampler where a camera looks at a courtyard, tried at what is seen.
+class InTheCourtyard {
+public:
+    InTheCourtyard(const std::string& type, std::uint32_t paths)
+        : sampler_(tested_sampler(type), test_.scene()),
+          points_(seen_points(test_.scene(), paths)) {}
+    contracts::LightSamplerTrial trial() const {
+        return {.sampler = *sampler_, .scene = test_.scene(), .points = points_, .blocked = true};
     }
-    EXPECT_GT(checked, 2000);
+
+private:
+    TestScene test_{courtyard("")};
+    PreparedSampler sampler_;
+    std::vector<Receiver> points_;
+};
+
+TEST_P(SeenLights, E7_E8_E9_ProbabilitiesHoldAtPointsThatTheCameraSees) {
+    const InTheCourtyard courtyard(GetParam(), 300);
+    EXPECT_TRUE(holds(contracts::pmf_sums(courtyard.trial())));
+    EXPECT_TRUE(holds(contracts::pmf_support(courtyard.trial())));
+    EXPECT_TRUE(holds(contracts::pmf_of_draws(courtyard.trial())));
 }
 
 TEST_P(SeenLights, drawing_at_many_points_is_drawing_at_each) {
-    const TestScene test(courtyard(""));
-    const PreparedSampler prepared(tested_sampler(GetParam()), test.scene());
-    const LightSampler& sampler = *prepared;
-    const std::vector<Receiver> points = seen_points(test.scene(), 300);
-    std::vector<LightQuery> queries;
-    Rng rng(5);
-    for (const Receiver& at : points) queries.push_back({.at = &at, .u = rng.next_float()});
-    const std::uint32_t last = sampler.draws() - 1;
-    sampler.batch().sample(sampler, last, queries);
-    int chosen = 0;
-    for (const LightQuery& query : queries) {
-        const auto choice = sampler.sample(*query.at, last, query.u);
-        ASSERT_EQ(query.choice.has_value(), choice.has_value());
-        if (!choice) continue;
-        ++chosen;
-        EXPECT_EQ(query.choice->light, choice->light);
-        EXPECT_EQ(query.choice->pmf, choice->pmf);
-    }
-    EXPECT_GT(chosen, 100);
+    EXPECT_TRUE(holds(contracts::draws_in_batches(InTheCourtyard(GetParam(), 300).trial(), {})));
 }
 
 TEST_P(SeenLights, E10_LightsAreDrawnAsOftenAsTheProbabilitySays) {
-    const TestScene test(courtyard(""));
-    const std::size_t lights = test.scene().lights().size();
-    const PreparedSampler prepared(tested_sampler(GetParam()), test.scene());
-    const LightSampler& sampler = *prepared;
-    if (sampler.draws() > 1) GTEST_SKIP() << "visits every light";
-    const std::vector<Receiver> points = seen_points(test.scene(), 12);
-    for (const Receiver& at : points) {
-        constexpr int trials = 50000;
-        std::vector<double> observed(lights + 1), expected(lights + 1);
-        for (std::uint32_t i = 0; i < trials; ++i) {
-            const float u = uint_to_float(sobol_owen_1d_bits(i, 1));
-            const auto choice = sampler.sample(at, 0, u);
-            ++observed[choice ? choice->light : lights];
-        }
-        double rest = 1;
-        for (std::uint32_t i = 0; i < lights; ++i) {
-            expected[i] = static_cast<double>(sampler.pmf(at, i));
-            rest -= expected[i];
-            // The numbers are stratified, so that counts are nearly exact.
-            EXPECT_NEAR(observed[i] / trials, expected[i], 4e-4);
-        }
-        EXPECT_NEAR(observed[lights] / trials, rest, 1e-3);
-    }
+    const InTheCourtyard courtyard(GetParam(), 6);
+    EXPECT_TRUE(holds(contracts::draw_frequencies(courtyard.trial(), {})));
+    EXPECT_TRUE(holds(contracts::light_is_unbiased(courtyard.trial(), {})));
 }
 
 TEST_P(SeenLights, E15_CachePointsAreNeverMuchWorseThanTheTree) {

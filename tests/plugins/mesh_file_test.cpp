@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Mesh files, right and wrong: what is read, and the words in which the rest is refused.
+#include "core/interfaces/bsdf.h"
+#include "core/interfaces/emitter.h"
 #include "plugins/shapes/obj_reader.h"
 #include "plugins/shapes/ply_reader.h"
 #include "plugins/shapes/serialized_reader.h"
@@ -80,7 +82,7 @@ TEST(Obj, everything_that_files_in_the_wild_contain_is_read) {
 
 using Warnings = std::vector<std::string>;
 
-TEST(Obj, concave_faces_are_cut_inside_of_their_outline) {
+TEST(Obj, P5_concave_faces_are_cut_inside_of_their_outline) {
     // An L of area 3 whose first corner does not see all of it.
     const MeshData mesh =
         obj("v 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\n"
@@ -99,7 +101,7 @@ TEST(Obj, concave_faces_are_cut_inside_of_their_outline) {
     EXPECT_EQ(obj(std::string(square) + "f 1 3 2 4\n").crossing_polygons, 1u);
 }
 
-TEST(Obj, all_line_ends_and_continued_lines_are_read) {
+TEST(Obj, P5_all_line_ends_and_continued_lines_are_read) {
     const std::vector<std::string> lines = {"# a quad",  "v 0 0 0", "v 1 0 \\", "0",
                                             "v 1 1 0",   "v 0 1 0", "g a \\",   "b",
                                             "f 1 2 3\\", " 4",      "f 1 2 \\", "3"};
@@ -312,7 +314,7 @@ const char* const textured_faces =
     "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n"
     "3 0 1 2 6 0 0 0.5 0 0.5 1\n3 0 2 3 6 0 0 1 1 0 1\n3 1 2 3 0\n";
 
-TEST(Ply, texture_coordinates_of_faces_are_read) {
+TEST(Ply, P5_texture_coordinates_of_faces_are_read) {
     const MeshData mesh = ply(textured_faces);
     // Vertex 0 has one pair of coordinates, vertex 2 has two; where a face has none, it is (0, 0).
     EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 3, 4, 5, 6, 7}));
@@ -329,7 +331,7 @@ TEST(Ply, L2_texture_coordinates_of_faces_fit_their_corners) {
               "for each corner");
 }
 
-TEST(Ply, triangle_strips_are_read) {
+TEST(Ply, P5_triangle_strips_are_read) {
     const std::string file = replaced(replaced(ascii_ply, "element face", "element tristrips"),
                                       "4 0 1 2 3", "10 0 1 2 3 -1 3 2 1 1 0");
     // Every other triangle is turned; a new strip begins as the first; two triangles of the second
@@ -341,10 +343,76 @@ TEST(Ply, triangle_strips_are_read) {
               "a.ply:14: strip 0 uses vertex -2");
 }
 
+/// Two triangles that share an edge, and a third of another face; all kinds of attributes.
+const std::string attributed_ply =
+    "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+    "property float z\nproperty float heat_x\nproperty float wind_x\nproperty float wind_y\n"
+    "property float wind_z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+    "property uchar alpha\nelement face 2\nproperty float r\nproperty float g\n"
+    "property float b\nproperty list uchar int vertex_indices\nproperty double load_0\n"
+    "end_header\n"
+    "0 0 0 1 1 2 3 0 128 255 9\n1 0 0 2 4 5 6 0 0 0 9\n1 1 0 3 7 8 9 255 255 255 9\n"
+    "0 1 0 4 0 0 0 0 0 0 9\n2 0 0 5 0 0 0 0 0 0 9\n"
+    "0.25 0.5 1 4 0 1 2 3 7\n2 0 0 3 1 4 2 -8\n";
+
+std::vector<float> values_of(const MeshData& mesh, const std::string& name) {
+    for (const MeshAttribute& a : mesh.attributes) {
+        if (a.name == name) return a.values;
+    }
+    ADD_FAILURE() << "no " << name;
+    return {};
+}
+
+TEST(Ply, colours_and_other_numbers_are_attributes) {
+    const MeshData mesh = ply(attributed_ply);
+    std::string names;
+    for (const MeshAttribute& a : mesh.attributes) names += fmt::format("{}:{} ", a.name, a.size);
+    EXPECT_EQ(names, "vertex_color:3 vertex_heat:1 vertex_wind:3 face_color:3 face_load:1 ");
+    EXPECT_EQ(values_of(mesh, "vertex_heat"), (std::vector<float>{1, 2, 3, 4, 5}));
+    EXPECT_EQ(values_of(mesh, "vertex_wind")[5], 6);
+    // Integers are decoded from sRGB.
+    EXPECT_EQ(values_of(mesh, "vertex_color")[0], 0);
+    EXPECT_NEAR(values_of(mesh, "vertex_color")[1], 0.2158605f, 1e-6f);
+    EXPECT_EQ(values_of(mesh, "vertex_color")[2], 1);
+    // The first face is two triangles.
+    EXPECT_EQ(values_of(mesh, "face_color"),
+              (std::vector<float>{0.25f, 0.5f, 1, 0.25f, 0.5f, 1, 2, 0, 0}));
+    EXPECT_EQ(values_of(mesh, "face_load"), (std::vector<float>{7, 7, -8}));
+    EXPECT_EQ(mesh.warnings, (Warnings{"a.ply: not read: alpha of vertex"}));
+}
+
+TEST(Ply, vertices_that_texture_coordinates_divide_keep_their_attributes) {
+    const std::string heated =
+        replaced(replaced(textured_faces, "property float nz\n",
+                          "property float nz\nproperty float heat_x\n"),
+                 "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n",
+                 "0 0 0 0 0 1 5\n1 0 0 0 0 1 6\n1 1 0 0 0 1 7\n0 1 0 0 0 1 8\n");
+    const MeshData mesh = ply(heated);
+    const std::vector<float> heat = values_of(mesh, "vertex_heat");
+    ASSERT_EQ(heat.size(), mesh.positions.size());
+    for (std::size_t i = 0; i < heat.size(); ++i) {
+        const Vector3 p = mesh.positions[i];
+        EXPECT_EQ(heat[i], p.y == 0 ? 5 + p.x : 8 - p.x);
+    }
+}
+
+TEST(Ply, strips_have_no_attributes_of_faces) {
+    const std::string both =
+        replaced(replaced(attributed_ply, "end_header\n",
+                          "element tristrips 1\nproperty list int int vertex_indices\n"
+                          "end_header\n"),
+                 "3 1 4 2 -8\n", "3 1 4 2 -8\n4 0 1 2 3\n");
+    EXPECT_EQ(values_of(ply(both), "face_load"), (std::vector<float>{7, 7, -8, 0, 0}));
+}
+
 TEST(Ply, what_is_not_read_is_told) {
     EXPECT_EQ(
         ply(binary_ply(false)).warnings,
         (Warnings{"a.ply: not read: red, extra of vertex; element edge; weights, q of face"}));
+    const std::string pair =
+        replaced(attributed_ply, "property float heat_x", "property float x_0");
+    EXPECT_EQ(ply(replaced(pair, "property float wind_x", "property float x_1")).warnings,
+              (Warnings{"a.ply: not read: x_0, x_1, wind_y, wind_z, alpha of vertex"}));
     const std::string half =
         replaced(ascii_ply, "property float z\n", "property float z\nproperty float u\n");
     const std::string half_uvs =
@@ -505,8 +573,10 @@ TEST(Serialized, meshes_of_both_versions_and_precisions_are_read) {
             EXPECT_EQ(mesh.normals.size(), i == 1 ? 3u : 0u);
             EXPECT_EQ(mesh.uvs.size(), i == 0 ? 0u : 3u);
             EXPECT_EQ(mesh.face_normals, i == 2);
-            const Warnings colors = {"a.serialized: vertex colours are not read"};
-            EXPECT_EQ(mesh.warnings, i == 1 ? colors : Warnings());
+            EXPECT_EQ(mesh.warnings, Warnings());
+            EXPECT_EQ(mesh.attributes.size(), i == 1 ? 1u : 0u);
+            const std::size_t colors = i == 1 ? values_of(mesh, "vertex_color").size() : 0;
+            EXPECT_EQ(colors, i == 1 ? 9u : 0u);
             EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
         }
         EXPECT_EQ(error_of([&] { serialized(file, 3); }),
@@ -711,6 +781,55 @@ TEST_F(MeshShapes, texture_coordinates_of_ply_faces_reach_the_hit) {
     const World world(shape("a.ply", textured_faces, flag("flip_tex_coords", true)));
     EXPECT_NEAR(look_down(world, 0.2f, 0.7f)->uv.x, 0.2, 1e-6);
     EXPECT_NEAR(look_down(world, 0.2f, 0.7f)->uv.y, 0.7, 1e-6);
+}
+
+TEST_F(MeshShapes, attributes_reach_the_material_and_the_light) {
+    const auto texture = [](const std::string& input, const std::string& name) {
+        return "<texture type='mesh_attribute' name='" + input + "'><string name='name' value='" +
+               name + "'/><float name='scale' value='0.1'/></texture>";
+    };
+    const std::string plain =
+        "<bsdf type='diffuse'>" + texture("reflectance", "vertex_wind") + "</bsdf>";
+    const World world(shape("a.ply", attributed_ply, plain));
+    const auto at = look_down(world, 0.75f, 0.25f);
+    ASSERT_TRUE(at);
+    // (0.25, 0.5, 0.25) of the first three vertices.
+    const Color expected =
+        0.1f * (0.25f * Color(1, 2, 3) + 0.5f * Color(4, 5, 6) + 0.25f * Color(7, 8, 9));
+    EXPECT_LT(glm::distance(at->shape->bsdf()->albedo(*at, {0, 0, 1}), expected), 1e-6f);
+    const std::string grouped =
+        "<shape type='merge'>" + shape("a.ply", attributed_ply, plain) + "</shape>";
+    const World group(grouped);
+    const auto inside = look_down(group, 0.75f, 0.25f);
+    ASSERT_TRUE(inside);
+    EXPECT_LT(glm::distance(inside->shape->bsdf()->albedo(*inside, {0, 0, 1}), expected), 1e-6f);
+
+    const World lit(
+        shape("b.ply", attributed_ply,
+              "<emitter type='area'>" + texture("radiance", "face_color") + "</emitter>"));
+    for (const Light& light : lit.scene().lights()) {
+        const Color radiance = light.primitive < 2 ? Color(0.025f, 0.05f, 0.1f) : Color(0.2f, 0, 0);
+        const Receiver above{.p = {0.6f, 0.4f, 2}, .n = {0, 0, -1}, .ns = {0, 0, -1}};
+        const auto sample = light.emitter->sample_li(light, above, {0.3f, 0.6f});
+        ASSERT_TRUE(sample);
+        EXPECT_LT(glm::distance(sample->radiance, radiance), 1e-6f);
+    }
+}
+
+TEST_F(MeshShapes, attributes_that_the_shape_has_not_are_refused) {
+    const auto diffuse = [](const std::string& name) {
+        return "<bsdf type='twosided'><bsdf type='diffuse'><texture type='mesh_attribute' "
+               "name='reflectance'><string name='name' value='" +
+               name + "'/></texture></bsdf></bsdf>";
+    };
+    EXPECT_EQ(refusal(shape("a.ply", attributed_ply, diffuse("vertex_colour"))),
+              "a.ply: not read: alpha of vertex\n"
+              "the shape has no attribute \"vertex_colour\"; it has vertex_color, vertex_heat, "
+              "vertex_wind, face_color, face_load; did you mean \"vertex_color\"?");
+    EXPECT_EQ(refusal("<shape type='sphere'>" + diffuse("vertex_color") + "</shape>"),
+              "the shape has no attribute \"vertex_color\": it has none");
+    EXPECT_EQ(refusal("<shape type='sphere'>" + diffuse("color") + "</shape>"),
+              "\"name\" must begin with \"vertex_\" or \"face_\", as \"vertex_color\"");
 }
 
 TEST_F(MeshShapes, warnings_of_files_are_those_of_the_scene) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What every sampler must satisfy, tried on all that the registry finds.
 #include "core/interfaces/sampler.h"
+#include "plugins/commands/contracts/sampler.h"
 #include "plugins/samplers/seeded.h"
 #include "tests/plugins/workshop.h"
 #include "tests/statistics.h"
@@ -37,147 +38,36 @@ protected:
     std::vector<std::pair<std::string, const Sampler*>> samplers_;
 };
 
-/// χ² of points in [0, 1)² over a grid of cells.
-class Grid {
-public:
-    explicit Grid(int side)
-        : side_(side), counts_(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)) {}
-
-    std::size_t cell(Vector2 p) const {
-        const auto at = [&](float x) { return static_cast<std::size_t>(x * float(side_)); };
-        return at(p.y) * static_cast<std::size_t>(side_) + at(p.x);
-    }
-    void add(Vector2 p) {
-        ++counts_[cell(p)];
-        ++total_;
-    }
-    testing::AssertionResult uniform(double significance) const {
-        const std::vector<double> expected(counts_.size(),
-                                           total_ / static_cast<double>(counts_.size()));
-        return counts_match(counts_, expected, significance);
-    }
-    /// Every cell holds the same number of points.
-    bool equal() const {
-        return std::all_of(counts_.begin(), counts_.end(),
-                           [&](double n) { return n == counts_.front(); });
-    }
-
-private:
-    int side_;
-    std::vector<double> counts_;
-    double total_ = 0;
-};
-
-double correlation(const std::vector<double>& a, const std::vector<double>& b) {
-    RunningStatistics x, y;
-    for (const double v : a) x.add(v);
-    for (const double v : b) y.add(v);
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - x.mean()) * (b[i] - y.mean());
-    return sum / (static_cast<double>(a.size() - 1) * std::sqrt(x.variance() * y.variance()));
-}
-
 TEST_F(Samplers, J1_J2_J5_J7_NumbersLieInTheHalfOpenInterval) {
     EXPECT_GE(samplers_.size(), 5u);
-    constexpr std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
     for (const auto& [name, s] : samplers_) {
-        SCOPED_TRACE(name);
         EXPECT_EQ(s->sample_count(), exact_count(name));
-        for (const std::uint64_t sequence : {std::uint64_t{0}, std::uint64_t{1}, last}) {
-            for (const std::uint64_t start : {std::uint64_t{0}, (std::uint64_t{1} << 32) - 100,
-                                              std::uint64_t{1} << 63, last - 199}) {
-                for (std::uint64_t i = start; i - start < 200; ++i) {
-                    for (const std::uint32_t d : {0u, 1u, 1023u, 1024u, 2047u, 0xfffffffeu}) {
-                        const float x = s->sample_1d(sequence, i, d);
-                        const Vector2 p = s->sample_2d(sequence, i, d);
-                        ASSERT_TRUE(x >= 0 && x < 1) << x;
-                        ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
-                    }
-                }
-            }
-        }
+        EXPECT_TRUE(holds(contracts::sampler_range(*s))) << name;
     }
 }
 
 TEST_F(Samplers, J7_AnIndexAboveTheLargestIntegerIsAnotherSample) {
-    constexpr std::uint64_t above = std::uint64_t{1} << 32;
     for (const auto& [name, s] : samplers_) {
-        SCOPED_TRACE(name);
-        int equal = 0;
-        std::set<float> seen;
-        for (std::uint64_t i = 0; i < 256; ++i) {
-            equal += s->sample_1d(1, i, 3) == s->sample_1d(1, above + i, 3);
-            seen.insert(s->sample_1d(1, above - 128 + i, 3));
-        }
-        EXPECT_LE(equal, 1);
-        EXPECT_GE(seen.size(), 255u);
+        EXPECT_TRUE(holds(contracts::sampler_large_indices(*s))) << name;
     }
 }
 
 TEST_F(Samplers, ArePureFunctions) {
     for (const auto& [name, s] : samplers_) {
-        SCOPED_TRACE(name);
         const Sampler& again = make(name, exact_count(name));
-        for (std::uint64_t i = 0; i < 1000; ++i) {
-            EXPECT_EQ(s->sample_2d(7, i, 4), again.sample_2d(7, i, 4));
-        }
+        EXPECT_TRUE(holds(contracts::sampler_purity(*s, again, {}))) << name;
     }
 }
 
-TEST_F(Samplers, BlocksHoldThePairs) {
+TEST_F(Samplers, BlocksHoldThePairsAndStreamsMayJump) {
     for (const auto& [name, s] : samplers_) {
-        for (const std::uint64_t index : {std::uint64_t{0}, std::uint64_t{37}, ~std::uint64_t{0}}) {
-            for (const std::uint32_t dimension : {0u, 3u, 1022u}) {
-                Vector2 pairs[SamplerBatch::most_pairs];
-                const std::uint32_t count =
-                    s->batch().sample_pairs(*s, 0x123456789abcdef, index, dimension, pairs);
-                ASSERT_GE(count, 1u) << name;
-                ASSERT_LE(count, SamplerBatch::most_pairs) << name;
-                SampleStream stream(*s, 0x123456789abcdef, index);
-                stream.jump_to(dimension);
-                for (std::uint32_t i = 0; i < 2 * SamplerBatch::most_pairs; ++i) {
-                    const Vector2 expected =
-                        s->sample_2d(0x123456789abcdef, index, dimension + 2 * i);
-                    if (i < count) {
-                        EXPECT_EQ(pairs[i], expected) << name << " " << index << " " << dimension;
-                    }
-                    EXPECT_EQ(stream.next_2d(), expected) << name;
-                }
-            }
-        }
-    }
-}
-
-TEST_F(Samplers, AStreamMayJumpAnywhere) {
-    for (const auto& [name, s] : samplers_) {
-        for (std::uint32_t first = 0; first < 20; ++first) {
-            SampleStream fresh(*s, 77, 5);
-            fresh.jump_to(first);
-            EXPECT_EQ(fresh.next_2d(), s->sample_2d(77, 5, first)) << name << " " << first;
-        }
-        SampleStream stream(*s, 77, 5);
-        for (const std::uint32_t dimension : {4u, 6u, 5u, 20u, 12u, 13u, 0u, 14u}) {
-            stream.jump_to(dimension);
-            EXPECT_EQ(stream.next_2d(), s->sample_2d(77, 5, dimension)) << name;
-            EXPECT_EQ(stream.next_1d(), s->sample_1d(77, 5, dimension + 2)) << name;
-        }
+        EXPECT_TRUE(holds(contracts::sampler_blocks(*s))) << name;
     }
 }
 
 TEST_F(Samplers, AreUniformOverSequences) {
     for (const auto& [name, s] : samplers_) {
-        SCOPED_TRACE(name);
-        for (const std::uint64_t index : {0u, 1u, 37u, 1000u}) {
-            Grid pairs(16), singles(16);
-            for (std::uint64_t sequence = 0; sequence < 30000; ++sequence) {
-                pairs.add(s->sample_2d(sequence, index, 2));
-                const float x = s->sample_1d(sequence, index, 5);
-                const float y = s->sample_1d(sequence, index, 6);
-                singles.add({x, y});
-            }
-            EXPECT_TRUE(pairs.uniform(sidak(1e-2, 40)));
-            EXPECT_TRUE(singles.uniform(sidak(1e-2, 40)));
-        }
+        EXPECT_TRUE(holds(contracts::sampler_uniformity(*s, {}))) << name;
     }
 }
 
@@ -185,44 +75,21 @@ TEST_F(Samplers, J3_J4_SequencesAndSeedsAreIndependent) {
     constexpr std::size_t n = 20000;
     for (const auto& [name, s] : samplers_) {
         SCOPED_TRACE(name);
+        EXPECT_TRUE(holds(contracts::sampler_sequences(*s, {})));
         const Sampler& other_seed = make(name, sample_count, 1);
-        std::vector<double> first, next, seeded, far;
+        std::vector<double> first, seeded;
         for (std::uint64_t i = 0; i < n; ++i) {
-            // Over sequences, not indices: within one the samples are meant to depend.
             first.push_back(static_cast<double>(s->sample_1d(i, 3, 0)));
-            next.push_back(static_cast<double>(s->sample_1d(i + 1, 3, 0)));
-            far.push_back(static_cast<double>(s->sample_1d(i + (std::uint64_t{1} << 32), 3, 0)));
             seeded.push_back(static_cast<double>(other_seed.sample_1d(i, 3, 0)));
         }
         const double limit = 4 / std::sqrt(static_cast<double>(n));
-        EXPECT_LT(std::abs(correlation(first, next)), limit);
-        EXPECT_LT(std::abs(correlation(first, far)), limit);
-        EXPECT_LT(std::abs(correlation(first, seeded)), limit);
+        EXPECT_LT(std::abs(contracts::correlation(first, seeded)), limit);
     }
 }
 
 TEST_F(Samplers, J5_PairsOfDimensionsAreIndependent) {
-    Rng rng(5);
     for (const auto& [name, s] : samplers_) {
-        SCOPED_TRACE(name);
-        for (int pair = 0; pair < 24; ++pair) {
-            const std::uint32_t a =
-                pair < 8 ? static_cast<std::uint32_t>(pair) : rng.next_uint() % 2048;
-            const std::uint32_t b = pair < 8 ? a + 1 : rng.next_uint() % 2048;
-            if (a == b) continue;
-            Grid over_sequences(8);
-            std::vector<double> x_along, y_along;
-            for (std::uint64_t i = 0; i < 6400; ++i) {
-                const float x = s->sample_1d(i, 5, a), y = s->sample_1d(i, 5, b);
-                over_sequences.add({x, y});
-                x_along.push_back(static_cast<double>(s->sample_1d(7, i, a)));
-                y_along.push_back(static_cast<double>(s->sample_1d(7, i, b)));
-            }
-            EXPECT_TRUE(over_sequences.uniform(sidak(1e-2, 100))) << a << ", " << b;
-            // Blocks of samples move together, so this has more variance than if independent.
-            EXPECT_LT(std::abs(correlation(x_along, y_along)), 8 / std::sqrt(6400))
-                << a << ", " << b;
-        }
+        EXPECT_TRUE(holds(contracts::sampler_dimensions(*s, {}))) << name;
     }
 }
 
@@ -234,7 +101,7 @@ TEST_F(Samplers, J9_StrataHoldOneSampleEach) {
         for (const std::uint64_t start :
              {std::uint64_t{0}, 5 * count, (std::uint64_t{1} << 32) / count * count}) {
             for (std::uint64_t sequence = 0; sequence < 20; ++sequence) {
-                Grid square(static_cast<int>(std::sqrt(count)));
+                contracts::UnitGrid square(static_cast<int>(std::sqrt(count)));
                 std::set<int> intervals;
                 for (std::uint64_t i = start; i < start + count; ++i) {
                     square.add(s->sample_2d(sequence, i, 4));
@@ -256,7 +123,7 @@ TEST_F(Samplers, EvenAndOddSamplesAreStratifiedByThemselves) {
         for (std::uint64_t sequence = 0; sequence < 50; ++sequence) {
             for (const std::uint64_t half : {0u, 1u}) {
                 // A cell of 4 × 4 holds two cells of either colour of the 8 × 8.
-                Grid square(4);
+                contracts::UnitGrid square(4);
                 for (std::uint64_t i = half; i < sample_count; i += 2) {
                     square.add(s.sample_2d(sequence, i, 0));
                 }
@@ -271,7 +138,7 @@ TEST_F(Samplers, OrthogonalArraysFillTheGridOfEveryPairOfDimensions) {
     for (std::uint64_t sequence = 0; sequence < 20; ++sequence) {
         for (std::uint32_t a = 0; a < 8; ++a) {  // p + 1
             for (std::uint32_t b = 0; b < a; ++b) {
-                Grid square(7);
+                contracts::UnitGrid square(7);
                 std::set<int> intervals;
                 for (std::uint64_t i = 0; i < 49; ++i) {
                     const auto at = [&](std::uint32_t d) {
@@ -391,7 +258,7 @@ TEST_F(Samplers, J6_MeansAreUnbiasedForAnySampleCount) {
                 }
                 means.add(sum / samples);
             }
-            EXPECT_TRUE(mean_is(means, exact, sidak(1e-2, 24)));
+            EXPECT_TRUE(mean_matches(means, exact, sidak(1e-2, 24)));
         }
     }
 }

@@ -3,6 +3,7 @@
 #include "core/interfaces/sensor.h"
 #include "core/math/sequences.h"
 #include "core/scene/scene.h"
+#include "plugins/commands/contracts/sensor.h"
 #include "tests/plugins/workshop.h"
 #include "tests/statistics.h"
 
@@ -57,16 +58,11 @@ TEST_F(Sensors, RaysAreUnitAndFinite) {
     for (const std::string& name : names) {
         SCOPED_TRACE(name);
         const Sensor& s = make(name, pose + film(64, 48));
-        Rng rng(1);
-        for (int i = 0; i < 10000; ++i) {
-            const Vector2 position = Vector2(68, 52) * rng.next_float2() - 2.0f;
-            const Vector2 u = i == 0 ? Vector2(0) : rng.next_float2();
-            const Ray ray = s.sample_ray(position, u);
-            EXPECT_NEAR(glm::length(ray.d), 1, 1e-6f);
-            EXPECT_TRUE(is_finite(ray.o));
-            EXPECT_GT(ray.tmax, 0);
-            EXPECT_GT(glm::dot(ray.d, Vector3(-5, -2, -1)), 0);
-        }
+        EXPECT_TRUE(holds(contracts::sensor_rays(s, {})));
+        EXPECT_TRUE(holds(contracts::sensor_connections(s, {})));
+        EXPECT_TRUE(holds(contracts::sensor_importance(s, {})));
+        EXPECT_GT(glm::dot(s.sample_ray({32, 24}, {0.5f, 0.5f}).d, Vector3(-5, -2, -1)), 0);
+        EXPECT_TRUE(s.connect({-4, 0, 2}, {0.5f, 0.5f}));
     }
 }
 
@@ -229,7 +225,7 @@ TEST_F(Sensors, O15_I8_BlurOfAThinLens) {
         inside.add(off < 0.05f / std::numbers::sqrt2_v<float> ? 1 : 0);
     }
     EXPECT_NEAR(2 * widest, 0.1f, 1e-3f);
-    EXPECT_TRUE(mean_is(inside, 0.5));  // energy is even over the disk
+    EXPECT_TRUE(mean_matches(inside, 0.5));  // energy is even over the disk
 }
 
 TEST_F(Sensors, OrthographicFilmIsTwoWide) {

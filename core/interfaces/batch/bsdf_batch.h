@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What integrators ask of a BSDF at up to sixteen points at once.
 ///
-/// One call through a pointer serves all lanes: `describe<T>` makes the loops of the functions that T
-/// has for one point, in T's own library, where compilers inline them. If T has functions of the
+/// One call through a pointer serves all lanes: `describe<T>` makes the loops of the functions that
+/// T has for one point, in T's own library, where compilers inline them. If T has functions of the
 /// same parameters with the names `evaluate_lanes` and `sample_lanes`, these are called instead.
 ///
 /// Lanes after the last point hold numbers that are allowed, and their results mean nothing.

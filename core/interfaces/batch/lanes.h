@@ -57,13 +57,14 @@ using LaneMask = std::array<bool, lane_count>;
 /// Points on a surface (SurfaceSample).
 struct SurfaceSampleLanes {
     Vector3Lanes p, n;
-    Vector2Lanes uv;
+    Vector2Lanes uv, hit_uv;
     FloatLanes error, pdf;
 
     void set(std::size_t i, const SurfaceSample& sample) {
         p.set(i, sample.p);
         n.set(i, sample.n);
         uv.set(i, sample.uv);
+        hit_uv.set(i, sample.hit_uv);
         error[i] = sample.error;
         pdf[i] = sample.pdf;
     }

@@ -23,7 +23,7 @@ TEST(Legacy, Names) {
     EXPECT_EQ(legacy_name(""), "");
 }
 
-TEST(Legacy, ParametersAreRenamed) {
+TEST(Legacy, P8_ParametersAreRenamed) {
     const Description d = read_legacy(R"(<default name="maxDepth" value="3"/>
         <integrator type="path"><integer name="maxDepth" value="$maxDepth"/></integrator>
         <bsdf type="diffuse" id="someId"><srgb name="diffuseReflectance" value="#ff0000"/></bsdf>

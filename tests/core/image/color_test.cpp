@@ -242,6 +242,29 @@ TEST(ColorConfig, L13_TheDecimalCommaOfALocaleDoesNotMatter) {
     if (!found) GTEST_SKIP() << "no locale with a decimal comma is installed: C was tested";
 }
 
+/// OpenColorIO takes them as zero.
+TEST(ColorConfig, L14_TablesThatHoldNanAreShownAsBlack) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "broken.spi1d")
+        << "Version 1\nFrom 0.0 1.0\nLength 3\nComponents 1\n{\n0.25\nnan\nnan\n}\n";
+    std::ofstream(folder / "broken.ocio")
+        << "ocio_profile_version: 2\nsearch_path: .\nroles:\n  default: linear\n"
+           "  scene_linear: linear\n  rendering: linear\nfile_rules:\n"
+           "  - !<Rule> {name: Default, colorspace: linear}\n"
+           "displays:\n  screen:\n    - !<View> {name: table, colorspace: shown}\n"
+           "colorspaces:\n  - !<ColorSpace>\n    name: linear\n    bitdepth: 32f\n"
+           "  - !<ColorSpace>\n    name: shown\n    bitdepth: 32f\n"
+           "    from_scene_reference: !<FileTransform> {src: broken.spi1d, "
+           "interpolation: linear}\n";
+    const ColorConfig config = ColorConfig::choose((folder / "broken.ocio").string());
+    Image image(2, 1);
+    image.set_rgb(0, 0, Color(0));
+    image.set_rgb(1, 0, Color(0.8f));
+    const Image8 shown = config.display(image, "screen/table");
+    EXPECT_EQ(shown.pixels[0], 64);
+    EXPECT_EQ(shown.pixels[3], 0);
+}
+
 TEST(ColorConfig, UserConfigurationNamesTheRenderingSpace) {
     const TemporaryFolder folder;
     std::string text = builtin_ocio;

@@ -137,6 +137,28 @@ TEST(Exr, L9_RefusesHugeSizesAtOnce) {
     EXPECT_FALSE(file_error([&] { decode(inverted); }).empty());
 }
 
+/// Sizes, offsets, counts and flags of known attacks are numbers in the header and in the table
+/// behind it that are zero, negative or huge.
+TEST(Exr, L11_ExtremeNumbersAnywhereInTheHeaderDoNoHarm) {
+    for (const ExrCompression compression : {ExrCompression::zip, ExrCompression::piz}) {
+        const Bytes file = bytes_of(encode_exr(everything(8, 8), compression));
+        int refused = 0;
+        for (std::size_t at = 4; at + 4 < std::min<std::size_t>(file.size(), 1500); ++at) {
+            for (const std::int32_t value : {0, -1, 0x7fffffff, -0x7fffffff - 1, 0x10000001}) {
+                Bytes attack = file;
+                std::memcpy(attack.data() + at, &value, 4);
+                try {
+                    decode(attack);
+                } catch (const FileError& error) {
+                    ++refused;
+                    ASSERT_TRUE(std::string_view(error.what()).starts_with("damaged.img: "));
+                }
+            }
+        }
+        EXPECT_GT(refused, 500);
+    }
+}
+
 TEST(Exr, OfMipmapsTheLargestIsRead) {
     // 3 x 2 pixels in tiles of 2 x 2, with the levels 2 x 1 and 1 x 1.
     const ImageFile file = decode(from_hex(

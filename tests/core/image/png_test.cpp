@@ -49,7 +49,7 @@ TEST(Png, SixteenBitsAreKept) {
     EXPECT_EQ(image.pixels, (std::vector<float>{258.0f / 65535.0f, 1.0f}));
 }
 
-TEST(Png, PaletteAndTransparencyAreLookedUp) {
+TEST(Png, P3_PaletteAndTransparencyAreLookedUp) {
     const Image image = decode(from_hex(
         "89504e470d0a1a0a0000000d494844520000000200000002010300000048789f6700000006504c5445ff00"
         "000080400cfccbd80000000274524e53ff335a67515c0000000c49444154789c637060680000014400c1"
@@ -75,7 +75,7 @@ Image grey_with(const std::string& chunks) {
                            "0000000a4944415478da6368000000820081da45083b0000000049454e44ae426082"));
 }
 
-TEST(Png, GammaSaysHowValuesAreEncoded) {
+TEST(Png, P3_GammaSaysHowValuesAreEncoded) {
     const std::string srgb = "000000017352474200aece1ce9",
                       linear = "0000000467414d41000186a031e8965f";
     EXPECT_FALSE(grey_with(linear).srgb_encoded);

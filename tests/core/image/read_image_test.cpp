@@ -30,7 +30,7 @@ TEST(ReadImage, TheContentDecidesNotTheName) {
     EXPECT_EQ(read_image(folder / "c.jpg").rgb(0, 0), Color(3, 2, 1));
 }
 
-TEST(ReadImage, ThePictureIsTheDisplayWindow) {
+TEST(ReadImage, P3_ThePictureIsTheDisplayWindow) {
     const TemporaryFolder folder;
     const auto read = [&](int x, int y, ExrWindow window) {
         ImageFile file{.x = x, .y = y, .full_width = 4, .full_height = 3};

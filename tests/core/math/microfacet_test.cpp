@@ -109,8 +109,8 @@ TEST(Microfacet, D11_D18_sampling_follows_the_pdf) {
             };
             const auto pdf = [&](Vector3 m) { return d.visible_normal_pdf(w, m); };
             SphereTest test;
-            test.seed = seed++;
-            test.samples = 200000;
+            test.grid.seed = seed++;
+            test.grid.samples = 200000;
             test.tests = tests;
             EXPECT_TRUE(sampling_matches_pdf(sample, pdf, test)) << name_of(d) << " w.z " << w.z;
         }

@@ -7,6 +7,19 @@
 
 namespace lucerna {
 
+#if defined(__x86_64__)
+/// A processor that could do both at once, with one rounding.
+[[gnu::target("fma"), gnu::noinline]] float product_and_sum(float a, float b, float c) {
+    return a * b + c;
+}
+
+TEST(Rounding, M11_products_are_rounded_before_they_are_added) {
+    if (!__builtin_cpu_supports("fma")) GTEST_SKIP() << "the processor has no such instruction";
+    // (1 + 2⁻¹²)² = 1 + 2⁻¹¹ + 2⁻²⁴, which is rounded to 1 + 2⁻¹¹.
+    EXPECT_EQ(product_and_sum(1 + 0x1p-12f, 1 + 0x1p-12f, -(1 + 0x1p-11f)), 0);
+}
+#endif
+
 TEST(Rounding, neighbours_agree_with_the_library) {
     Rng rng(1);
     for (int i = 0; i < 100000; ++i) {

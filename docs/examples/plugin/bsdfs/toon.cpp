@@ -31,7 +31,7 @@ public:
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {
         if (cos_theta(wo) <= 0 || cos_theta(wi) <= 0) return {};
-        const Color rho = reflectance_(at.uv);
+        const Color rho = reflectance_(at);
         if (mode == TransportMode::importance) {
             return {rho * inv_pi * (level(wo) / cos_theta(wo)),
                     square_to_cosine_hemisphere_pdf(wi)};
@@ -43,7 +43,7 @@ public:
                                      TransportMode mode) const override {
         if (cos_theta(wo) <= 0) return {};
         BSDFSample result{.lobe = Lobe::diffuse_reflection};
-        const Color rho = reflectance_(at.uv);
+        const Color rho = reflectance_(at);
         if (mode == TransportMode::importance) {
             result.wi = square_to_cosine_hemisphere(u);
             result.pdf = square_to_cosine_hemisphere_pdf(result.wi);
@@ -57,7 +57,7 @@ public:
         return result;
     }
 
-    Color albedo(const Interaction& at, Vector3) const override { return reflectance_(at.uv); }
+    Color albedo(const Interaction& at, Vector3) const override { return reflectance_(at); }
 
 private:
     int band(Vector3 w) const {

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The folder of a job: what lies where, and how far each part is.
+///
+///     job.txt                what the job is
+///     part.sh, merge.sh      what is run (job_scripts.h)
+///     scene/, plugins/       what the parts read (scene_pack.h)
+///     parts/7.exr            the result of part 7, there only when the part is done
+///     records/7.txt          when and where part 7 was started and ended, with exit codes
+///     logs/7.txt             what part 7 printed
+///     slurm_jobs.txt         Slurm's numbers of the jobs that were submitted, the last one last
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lucerna {
+
+/// One line of a record: "start 1767225600 node7", "end 1767229200 0".
+struct Attempt {
+    std::int64_t start = 0;  ///< seconds since 1970
+    std::string host;
+    std::optional<std::int64_t> end = {};  ///< empty while it runs, or if its node failed
+    int code = 0;                          ///< exit code
+};
+
+class JobFolder {
+public:
+    /// A new job. `extension` is that of the results of parts.
+    JobFolder(std::filesystem::path path, std::string name, int parts, std::string extension);
+
+    static bool is_job(const std::filesystem::path& path);
+
+    /// A job that is there.
+    static JobFolder read(const std::filesystem::path& path);
+
+    void write() const;
+
+    const std::filesystem::path& path() const { return path_; }
+    const std::string& name() const { return name_; }
+    int part_count() const { return parts_; }
+    std::filesystem::path part_script() const { return path_ / "part.sh"; }
+    std::filesystem::path merge_script() const { return path_ / "merge.sh"; }
+    std::filesystem::path log(int part) const;
+
+    bool is_done(int part) const;
+    std::vector<int> missing_parts() const;
+
+    /// In the order of time. A line that is not complete yet is left out.
+    std::vector<Attempt> attempts(int part) const;
+
+    /// The last number that Slurm gave to the array of parts.
+    std::optional<std::string> slurm_job() const;
+    void add_slurm_job(const std::string& parts, const std::string& merge) const;
+
+private:
+    std::filesystem::path path_;
+    std::string name_;
+    int parts_;
+    std::string extension_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/commands/jobs/slurm.h"
+
+#include "core/base/error.h"
+#include "plugins/commands/jobs/child_process.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <sstream>
+#include <vector>
+
+namespace lucerna {
+
+namespace {
+
+/// "1,3-5" for 1, 3, 4, 5.
+std::string ranges_text(const std::vector<int>& sorted) {
+    std::string text;
+    for (std::size_t i = 0; i < sorted.size();) {
+        std::size_t last = i;
+        while (last + 1 < sorted.size() && sorted[last + 1] == sorted[last] + 1) ++last;
+        text += (text.empty() ? "" : ",") + std::to_string(sorted[i]);
+        if (last > i) text += "-" + std::to_string(sorted[last]);
+        i = last + 1;
+    }
+    return text;
+}
+
+/// Runs sbatch and returns the number of the job.
+std::string sbatch(const JobFolder& job, std::vector<std::string> words) {
+    words.insert(words.begin(), {"sbatch", "--parsable"});
+    const ChildOutput said = run_child({words, job.path()});
+    if (said.code == cannot_execute && said.text.empty()) {
+        throw Error(
+            "sbatch cannot be run: is Slurm installed on this machine? Without it, --local N runs "
+            "the parts here");
+    }
+    if (said.code != 0) {
+        throw Error(
+            fmt::format("sbatch refused the job with exit code {}: {}", said.code, said.text));
+    }
+    return said.text.substr(0, said.text.find_first_of(";\n"));
+}
+
+}  // namespace
+
+std::map<int, std::string> slurm_states(const JobFolder& job) {
+    std::map<int, std::string> states;
+    const std::optional<std::string> number = job.slurm_job();
+    if (!number) return states;
+    const ChildOutput queue = run_child(
+        {{"squeue", "--noheader", "--array", "--jobs=" + *number, "--format=%K %T"}, job.path()});
+    if (queue.code != 0) return states;  // squeue fails for jobs that it has forgotten
+    std::istringstream lines(queue.text);
+    std::string state;
+    for (int part = 0; lines >> part >> state;) states[part] = state;
+    return states;
+}
+
+void submit(const JobFolder& job) {
+    if (!slurm_states(job).empty()) {
+        throw Error(
+            fmt::format("job {} of {} is still in Slurm's queue; cancel it with `scancel "
+                        "{}` to submit the rest anew",
+                        *job.slurm_job(), job.path().string(), *job.slurm_job()));
+    }
+    const std::vector<int> missing = job.missing_parts();
+    std::vector<std::string> merge = {"merge.sh"};
+    std::string parts = "-";
+    if (!missing.empty()) {
+        parts = sbatch(job, {"--array=" + ranges_text(missing), "part.sh"});
+        merge.insert(merge.begin(), "--dependency=afterok:" + parts);
+    }
+    job.add_slurm_job(parts, sbatch(job, merge));
+}
+
+}  // namespace lucerna

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The largest numbers of a grid: of each block of 8³ voxels, and so of any box of voxels.
+#pragma once
+
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "plugins/volumes/voxel_grid.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace lucerna {
+
+/// A box of voxels, both ends included.
+struct VoxelBox {
+    Vector3i min, max;
+};
+
+class BlockMaxima {
+public:
+    BlockMaxima() = default;
+    /// Reads the whole grid once, in parallel. Throws Error, which begins with `name`, for the
+    /// first voxel that is negative, infinite or no number.
+    BlockMaxima(const VoxelGrid& grid, const std::string& name);
+
+    float smallest() const { return smallest_; }
+    float largest() const { return largest_; }
+    /// The largest channel of all voxels of a box inside of the grid, exactly.
+    float largest(const VoxelGrid& grid, const VoxelBox& box) const;
+    std::size_t bytes() const { return maxima_.size() * sizeof(float); }
+
+private:
+    static constexpr int edge = 8;
+
+    /// What a thread finds in a layer of blocks.
+    struct Layer {
+        float smallest = infinity;
+        std::optional<std::size_t> bad;  ///< place of the first number that is refused
+    };
+    Layer read_layer(const VoxelGrid& grid, int block_z);
+    float& maximum(Vector3i block) { return maxima_[index(block)]; }
+    std::size_t index(Vector3i block) const {
+        return (static_cast<std::size_t>(block.z) * static_cast<std::size_t>(blocks_.y) +
+                static_cast<std::size_t>(block.y)) *
+                   static_cast<std::size_t>(blocks_.x) +
+               static_cast<std::size_t>(block.x);
+    }
+    static float scan(const VoxelGrid& grid, const VoxelBox& box);
+    [[noreturn]] static void refuse(const VoxelGrid& grid, std::size_t place,
+                                    const std::string& name);
+
+    Vector3i blocks_{0};
+    std::vector<float> maxima_;
+    float smallest_ = 0, largest_ = 0;
+};
+
+inline BlockMaxima::BlockMaxima(const VoxelGrid& grid, const std::string& name)
+    : blocks_((grid.resolution() + (edge - 1)) / edge) {
+    maxima_.resize(index({0, 0, blocks_.z}));
+    std::vector<Layer> layers(static_cast<std::size_t>(blocks_.z));
+    Workers().run(blocks_.z, [&](std::int64_t z) {
+        layers[static_cast<std::size_t>(z)] = read_layer(grid, static_cast<int>(z));
+    });
+    smallest_ = infinity;
+    for (const Layer& layer : layers) {
+        if (layer.bad) refuse(grid, *layer.bad, name);
+        smallest_ = std::min(smallest_, layer.smallest);
+    }
+    largest_ = *std::max_element(maxima_.begin(), maxima_.end());
+}
+
+inline BlockMaxima::Layer BlockMaxima::read_layer(const VoxelGrid& grid, int block_z) {
+    const Vector3i n = grid.resolution();
+    Layer layer;
+    for (int z = edge * block_z; z < std::min(n.z, edge * (block_z + 1)); ++z) {
+        for (int y = 0; y < n.y; ++y) {
+            std::size_t place = grid.place({0, y, z});
+            for (int x = 0; x < n.x; ++x) {
+                float& largest = maximum({x / edge, y / edge, block_z});
+                for (int channel = 0; channel < grid.channels(); ++channel, ++place) {
+                    const float number = grid.number(place);
+                    if (!(number >= 0 && number < infinity)) {
+                        if (!layer.bad) layer.bad = place;
+                        continue;
+                    }
+                    largest = std::max(largest, number);
+                    layer.smallest = std::min(layer.smallest, number);
+                }
+            }
+        }
+    }
+    return layer;
+}
+
+inline float BlockMaxima::scan(const VoxelGrid& grid, const VoxelBox& box) {
+    float largest = 0;
+    for (int z = box.min.z; z <= box.max.z; ++z) {
+        for (int y = box.min.y; y <= box.max.y; ++y) {
+            for (int x = box.min.x; x <= box.max.x; ++x) {
+                largest = std::max(largest, grid.largest({x, y, z}));
+            }
+        }
+    }
+    return largest;
+}
+
+inline float BlockMaxima::largest(const VoxelGrid& grid, const VoxelBox& box) const {
+    const Vector3i first = box.min / edge, last = box.max / edge;
+    float largest = 0;
+    for (int z = first.z; z <= last.z; ++z) {
+        for (int y = first.y; y <= last.y; ++y) {
+            for (int x = first.x; x <= last.x; ++x) {
+                const Vector3i block(x, y, z);
+                const float of_block = maxima_[index(block)];
+                if (of_block <= largest) continue;
+                const VoxelBox whole{block * edge,
+                                     glm::min(block * edge + (edge - 1), grid.resolution() - 1)};
+                const VoxelBox part{glm::max(whole.min, box.min), glm::min(whole.max, box.max)};
+                const bool is_whole = part.min == whole.min && part.max == whole.max;
+                largest = std::max(largest, is_whole ? of_block : scan(grid, part));
+            }
+        }
+    }
+    return largest;
+}
+
+inline void BlockMaxima::refuse(const VoxelGrid& grid, std::size_t place, const std::string& name) {
+    const auto channels = static_cast<std::size_t>(grid.channels());
+    const std::size_t voxel = place / channels;
+    const auto nx = static_cast<std::size_t>(grid.resolution().x);
+    const auto ny = static_cast<std::size_t>(grid.resolution().y);
+    throw Error(
+        fmt::format("{}: voxel ({}, {}, {}) is {:g}; a volume holds finite numbers of at "
+                    "least 0",
+                    name, voxel % nx, voxel / nx % ny, voxel / nx / ny, grid.number(place)));
+}
+
+}  // namespace lucerna
