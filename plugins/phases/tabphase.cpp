@@ -6,6 +6,7 @@
 #include "core/description/values.h"
 #include "plugins/phases/around.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace lucerna {
@@ -21,21 +22,21 @@ public:
         } catch (const Error& e) {
             params.error("values", e.what());
         }
-        if (values_.size() < 2) values_.resize(2, 1), params.error("values", wanted);
-        double sum = 0;
-        for (const double v : values_) {
-            if (!(v >= 0)) return params.error("values", wanted);
-            sum += v;
+        if (values_.empty()) values_ = {0};
+        const double most = *std::max_element(values_.begin(), values_.end());
+        const double least = *std::min_element(values_.begin(), values_.end());
+        if (values_.size() < 2 || !(least >= 0) || !(most > 0)) {
+            params.error("values", wanted);
+            values_ = {1, 1};
         }
         step_ = 2 / static_cast<double>(values_.size() - 1);
-        const double area = step_ * (sum - 0.5 * (values_.front() + values_.back()));
-        if (!(area > 0)) return params.error("values", wanted);
         double until = 0;
         for (std::size_t i = 0; i < values_.size(); ++i) {
-            values_[i] /= area;
             if (i > 0) until += 0.5 * step_ * (values_[i - 1] + values_[i]);
             sums_.push_back(until);
         }
+        for (double& v : values_) v /= until;
+        for (double& sum : sums_) sum /= until;
     }
 
     PhaseValue evaluate(Vector3, Vector3 wo, Vector3 wi) const override {

@@ -42,14 +42,18 @@ std::vector<TestedPhase> tested_phases() {
 class EachPhase : public testing::TestWithParam<TestedPhase> {
 protected:
     const Phase& phase() {
-        return workshop_.make<Phase>("<phase type='" + GetParam().type + "'>" + GetParam().body +
-                                     "</phase>");
+        if (!phase_) {
+            phase_ = &workshop_.make<Phase>("<phase type='" + GetParam().type + "'>" +
+                                            GetParam().body + "</phase>");
+        }
+        return *phase_;
     }
     const Vector3 p_{0.1f, 0.2f, 0.3f};
     const std::vector<Vector3> wos_ = {glm::normalize(Vector3(1, 2, -3)), {0, 0, 1}, {0, -1, 0}};
 
 private:
     Workshop workshop_;
+    const Phase* phase_ = nullptr;
 };
 
 INSTANTIATE_TEST_SUITE_P(All, EachPhase, testing::ValuesIn(tested_phases()),
