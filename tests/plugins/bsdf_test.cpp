@@ -361,7 +361,7 @@ TEST_F(BSDFs, white_hair_keeps_all_energy) {
         for (const TransportMode mode : modes) {
             for (const Vector3 wo : viewers()) {
                 if (wo.z < 0) continue;
-                EXPECT_TRUE(equivalent(scattered(hair, wo, mode, 60000), 1, 0.002))
+                EXPECT_TRUE(equivalent(contracts::scattered_power(hair, wo, mode, 60000), 1, 0.002))
                     << xml << " cos " << wo.z;
             }
         }
