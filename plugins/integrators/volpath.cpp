@@ -12,6 +12,7 @@
 #include "core/scene/medium_tracking.h"
 #include "plugins/integrators/line_scattering.h"
 #include "plugins/integrators/medium_lighting.h"
+#include "plugins/integrators/render_options.h"
 
 #include <limits>
 
@@ -30,6 +31,7 @@ public:
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
+        accept_render_options(params);
         if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
     }
 

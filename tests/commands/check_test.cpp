@@ -58,6 +58,7 @@ const std::map<std::string, std::vector<std::string>> needs = {
     {"bsdf/twosided", {"bsdf=plastic"}},
     {"emitter/envmap", {"filename=grey.png"}},
     {"sensor/thinlens", {"aperture_radius=0.1", "focus_distance=3"}},
+    {"bsdf/hair", {}},  // the adjoint over the width of a fibre only, not at each point
     {"shape/bsplinecurve", {}},
     {"shape/city", {"part=walls", "size=1"}},
     {"shape/instance", {}},

@@ -534,11 +534,11 @@ TEST(XmlReader, NamesAreUniqueInAnElement) {
 
 TEST(XmlReader, AllErrorsAreCollected) {
     EXPECT_EQ(errors_of(scene("\n<shape type=\"s\"><float name=\"a\" value=\"x\"/></shape>\n"
-                              "<bsdf type=\"$t\"><ref id=\"none\"/></bsdf>\n<medium type=\"m\"/>")),
+                              "<bsdf type=\"$t\"><ref id=\"none\"/></bsdf>\n<bsdf/>")),
               "2:40 expected a number, not \"x\"\n"
               "3:13 \"$t\" has no value; give it one above, with <default name=\"t\" "
               "value=\"...\"/>, or with -D t=...\n"
-              "4:1 media are not supported by this version\n"
+              "4:1 <bsdf> needs the attribute \"type\"\n"
               "3:17 no element has the id \"none\"; no element has an id\n");
 }
 
