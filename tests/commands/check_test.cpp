@@ -57,6 +57,7 @@ const std::map<std::string, std::vector<std::string>> needs = {
       "</texture><bsdf type='diffuse'/>"}},
     {"bsdf/twosided", {"bsdf=plastic"}},
     {"emitter/envmap", {"filename=grey.png"}},
+    {"emitter/sunsky", {"sun_aperture=20"}},  // or few rays meet the sun by chance
     {"sensor/thinlens", {"aperture_radius=0.1", "focus_distance=3"}},
     {"bsdf/hair", {}},  // the adjoint over the width of a fibre only, not at each point
     {"shape/bsplinecurve", {}},
