@@ -77,7 +77,7 @@ std::optional<double> curve_at(Profile tag, double x) {
     std::array<double, 7> p{1, 1, 0, 0, 0, 0, 0};  // g a b c d e f
     for (std::size_t i = 0; i < counts[type]; ++i) p[i] = fixed_at(tag, 12 + 4 * i);
     const auto& [g, a, b, c, d, e, f] = p;
-    const auto power = [&] { return std::pow(std::max(a * x + b, 0.0), g); };
+    const auto power = [x, g = g, a = a, b = b] { return std::pow(std::max(a * x + b, 0.0), g); };
     if (type < 3) {
         const double offset = type == 2 ? c : 0;
         return type == 0 || a * x + b >= 0 ? power() + offset : offset;
