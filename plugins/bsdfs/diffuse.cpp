@@ -21,7 +21,8 @@ LUCERNA_VECTORIZED void evaluate_cosine(const Vector3Lanes& __restrict reflectan
                                         const FloatLanes& __restrict wi_z,
                                         BSDFValueLanes& __restrict out) {
     for (std::size_t i = 0; i < lane_count; ++i) {
-        const bool lit = (wo_z[i] > 0) & (wi_z[i] > 0);
+        const bool seen = wo_z[i] > 0, facing = wi_z[i] > 0;
+        const bool lit = seen & facing;
         const float density = wi_z[i] * inv_pi;
         out.f.x[i] = select(lit, reflectance.x[i] * inv_pi, 0.0f);
         out.f.y[i] = select(lit, reflectance.y[i] * inv_pi, 0.0f);

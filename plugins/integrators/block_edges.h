@@ -39,7 +39,7 @@ public:
         }
         for (const Material& material : materials_) {
             LaneMask own;
-            for (std::size_t i = 0; i < lane_count; ++i) own[i] = wanted[i] & material.lanes[i];
+            for (std::size_t i = 0; i < lane_count; ++i) own[i] = wanted[i] && material.lanes[i];
             BSDFValueLanes values;
             material.bsdf->batch().evaluate(*material.bsdf, points_, own, wo_local, wi, mode,
                                             values);
