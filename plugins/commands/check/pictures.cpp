@@ -101,10 +101,6 @@ Sheet draw_shape(Subject& subject, const Effort& effort) {
     const float radius = 1.05f * trial.shape.bounds().radius();
     constexpr int side = 240;
     Field drawn(side, side), expected(side, side);
-    double area = 0;
-    for (std::uint32_t i = 0; i < trial.shape.primitive_count(); ++i) {
-        area += static_cast<double>(trial.shape.area(i));
-    }
     const auto pixel = static_cast<double>(sqr(2 * radius / side));
     const int samples = 10 * effort.samples;
     Rng rng(effort.seed);
