@@ -21,15 +21,8 @@ Vector2 Texture::gradient(Vector2 uv) const {
 
 ColorInput Params::color_input(std::string_view name, Color default_value, Range range,
                                std::string_view doc) const {
-    const Color c = default_value;
-    const std::string text = c.x == c.y && c.y == c.z
-                                 ? fmt::format("{:g}", c.x)
-                                 : fmt::format("{:g} {:g} {:g}", c.x, c.y, c.z);
-    declare(name, "rgb or texture", text, range, doc);
-    if (const Property* property = find(name)) {
-        return {Color(color(*property, ColorD(default_value), range)), nullptr};
-    }
-    return {default_value, static_cast<const Texture*>(named_child(Texture::kind, name, ""))};
+    const auto [constant, child] = color_or_child(Texture::kind, name, default_value, range, doc);
+    return {constant, static_cast<const Texture*>(child)};
 }
 
 FloatInput Params::float_input(std::string_view name, float default_value, Range range,

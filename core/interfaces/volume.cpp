@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/interfaces/volume.h"
 
-#include "core/description/description.h"
 #include "core/plugin/params.h"
-
-#include <fmt/format.h>
 
 namespace lucerna {
 
@@ -14,15 +11,8 @@ Volume::~Volume() = default;
 
 VolumeInput Params::volume_input(std::string_view name, Color default_value, Range range,
                                  std::string_view doc) const {
-    const Color c = default_value;
-    const std::string text = c.x == c.y && c.y == c.z
-                                 ? fmt::format("{:g}", c.x)
-                                 : fmt::format("{:g} {:g} {:g}", c.x, c.y, c.z);
-    declare(name, "rgb or volume", text, range, doc);
-    if (const Property* property = find(name)) {
-        return {Color(color(*property, ColorD(default_value), range)), nullptr};
-    }
-    return {default_value, static_cast<const Volume*>(named_child(Volume::kind, name, ""))};
+    const auto [constant, child] = color_or_child(Volume::kind, name, default_value, range, doc);
+    return {constant, static_cast<const Volume*>(child)};
 }
 
 }  // namespace lucerna

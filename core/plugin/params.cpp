@@ -388,6 +388,16 @@ std::size_t Params::choose(std::string_view name, std::size_t default_index,
     return default_index;
 }
 
+std::pair<Color, const Object*> Params::color_or_child(std::string_view kind, std::string_view name,
+                                                       Color default_value, Range range,
+                                                       std::string_view doc) const {
+    declare(name, fmt::format("rgb or {}", kind), color_text(default_value), range, doc);
+    if (const Property* property = find(name)) {
+        return {Color(color(*property, ColorD(default_value), range)), nullptr};
+    }
+    return {default_value, named_child(kind, name, "")};
+}
+
 const Object* Params::object(const Child& child) const {
     if (const Object* built = context_.object(child)) return built;
     // It is wrong, which has been reported. The plugin sees a sound one in its place, so that its

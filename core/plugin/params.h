@@ -182,6 +182,10 @@ private:
     Vector3d triple(std::string_view name, Vector3d default_value) const;
     double number(const Property& property, double default_value, Range range) const;
     ColorD color(const Property& property, ColorD default_value, Range range) const;
+    /// A colour, or the nested object of a kind in its place; null if there is none.
+    std::pair<Color, const Object*> color_or_child(std::string_view kind, std::string_view name,
+                                                   Color default_value, Range range,
+                                                   std::string_view doc) const;
     std::size_t choose(std::string_view name, std::size_t default_index,
                        const std::vector<std::string>& words, std::string_view doc) const;
     const Object* named_child(std::string_view kind, std::string_view name,
