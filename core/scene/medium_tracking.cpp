@@ -7,13 +7,6 @@ namespace {
 
 float sum(Color c) { return c.x + c.y + c.z; }
 
-/// exp(−σ t), where t may be infinite.
-Color attenuation(Color sigma, float t) {
-    Color result;
-    for (int c = 0; c < 3; ++c) result[c] = sigma[c] > 0 ? std::exp(-sigma[c] * t) : 1.0f;
-    return result;
-}
-
 /// ε ∫ exp(−σ t) dt from 0 to `length`.
 Color emitted(Color emission, Color sigma, float length) {
     Color result(0);
@@ -62,7 +55,10 @@ bool collide_homogeneous(const MediumSegment& segment, bool may_scatter, Vector2
     return false;
 }
 
-bool collide_tracked(const MediumSegment& segment, bool may_scatter, Rng& rng, MediumPath& path) {
+/// Visits collisions of light with the medium and with what fills it up to its majorants, in order,
+/// until `visit(t, point, majorant)` says to stop.
+template <typename Visit>
+void track(const MediumSegment& segment, Rng& rng, const Visit& visit) {
     const Medium& medium = *segment.medium;
     MajorantIterator parts(*medium.majorants(), segment.o, segment.d, segment.length);
     while (const auto part = parts.next()) {
@@ -70,26 +66,33 @@ bool collide_tracked(const MediumSegment& segment, bool may_scatter, Rng& rng, M
         while (true) {
             t += sample_distance(rng.next_double(), part->majorant);
             if (!(t < part->end)) break;
-            const MediumPoint m = medium.at(segment.o + t * segment.d);
-            const float majorant = part->majorant;
-            path.radiance += path.beta * m.emission / majorant;
-            const Color null = glm::max(Color(majorant) - m.sigma_t, Color(0));
-            const float real_rate = may_scatter ? sum(path.beta * m.sigma_s) : 0.0f;
-            const float null_rate = sum(path.beta * null);
-            const float real_share = real_rate / (real_rate + null_rate);
-            if (!(real_rate + null_rate > 0)) {
-                path.beta = Color(0);
-                return false;
-            }
-            if (rng.next_float() < real_share) {
-                path.beta *= m.sigma_s / (majorant * real_share);
-                path.t = t;
-                return true;
-            }
-            path.beta *= null / (majorant * (1 - real_share));
+            if (visit(t, medium.at(segment.o + t * segment.d), part->majorant)) return;
         }
     }
-    return false;
+}
+
+bool collide_tracked(const MediumSegment& segment, bool may_scatter, Rng& rng, MediumPath& path) {
+    bool scattered = false;
+    track(segment, rng, [&](float t, const MediumPoint& m, float majorant) {
+        path.radiance += path.beta * m.emission / majorant;
+        const Color null = glm::max(Color(majorant) - m.sigma_t, Color(0));
+        const float real_rate = may_scatter ? sum(path.beta * m.sigma_s) : 0.0f;
+        const float null_rate = sum(path.beta * null);
+        const float real_share = real_rate / (real_rate + null_rate);
+        if (!(real_rate + null_rate > 0)) {
+            path.beta = Color(0);
+            return true;
+        }
+        if (rng.next_float() < real_share) {
+            path.beta *= m.sigma_s / (majorant * real_share);
+            path.t = t;
+            scattered = true;
+            return true;
+        }
+        path.beta *= null / (majorant * (1 - real_share));
+        return false;
+    });
+    return scattered;
 }
 
 }  // namespace
@@ -99,22 +102,15 @@ Color transmittance(const MediumSegment& segment, Rng& rng) {
     const Medium& medium = *segment.medium;
     if (medium.homogeneous()) return attenuation(medium.at(segment.o).sigma_t, segment.length);
     Color result(1);
-    MajorantIterator parts(*medium.majorants(), segment.o, segment.d, segment.length);
-    while (const auto part = parts.next()) {
-        float t = part->begin;
-        while (true) {
-            t += sample_distance(rng.next_double(), part->majorant);
-            if (!(t < part->end)) break;
-            const MediumPoint m = medium.at(segment.o + t * segment.d);
-            result *= glm::max(Color(1) - m.sigma_t / part->majorant, Color(0));
-            // Russian roulette: the rest of the way costs more than it tells.
-            constexpr float dim = 0.1f, survival = 0.5f;
-            if (max_component(result) < dim) {
-                if (is_black(result) || !(rng.next_float() < survival)) return Color(0);
-                result /= survival;
-            }
-        }
-    }
+    track(segment, rng, [&](float, const MediumPoint& m, float majorant) {
+        result *= glm::max(Color(1) - m.sigma_t / majorant, Color(0));
+        // Russian roulette: the rest of the way costs more than it tells.
+        constexpr float dim = 0.1f, survival = 0.5f;
+        if (max_component(result) >= dim) return false;
+        const bool ends = is_black(result) || !(rng.next_float() < survival);
+        result = ends ? Color(0) : result / survival;
+        return ends;
+    });
     return result;
 }
 

@@ -27,6 +27,13 @@ struct MediumSegment {
     float length = 0;  ///< may be infinite
 };
 
+/// exp(−σ t), where t may be infinite.
+inline Color attenuation(Color sigma, float t) {
+    Color result;
+    for (int c = 0; c < 3; ++c) result[c] = sigma[c] > 0 ? std::exp(-sigma[c] * t) : 1.0f;
+    return result;
+}
+
 /// An unbiased estimate of the fraction of light that gets through: exact in homogeneous media, by
 /// ratio tracking (Novák et al. 2014) in others.
 Color transmittance(const MediumSegment& segment, Rng& rng);

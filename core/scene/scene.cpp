@@ -272,10 +272,11 @@ Color Scene::transmittance(const Receiver& from, const LightSample& to, Rng& rng
     const float length = glm::length(ray.d);
     ray.d /= length;
     ray.tmax *= length;
-    std::vector<MediumSegment> media{{.medium = from.medium, .o = ray.o, .d = ray.d}};
-    media.front().length = ray.tmax;
-    Color result(1);
-    if (blocked) result = transmittance(ray, to.target, false, &media);
+    const MediumSegment whole{.medium = from.medium, .o = ray.o, .d = ray.d, .length = ray.tmax};
+    if (!blocked) return lucerna::transmittance(whole, rng);
+    // Surfaces first: they are cheaper than media, and may let nothing through.
+    std::vector<MediumSegment> media{whole};
+    Color result = transmittance(ray, to.target, false, &media);
     for (const MediumSegment& segment : media) {
         if (is_black(result)) break;
         result *= lucerna::transmittance(segment, rng);

@@ -66,7 +66,7 @@ public:
     }
     /// The density with which a path collides at t by itself (medium_tracking.h) [1/m].
     float collision_pdf(float t) const {
-        const Color density = share_ * point_.sigma_t * attenuation(t);
+        const Color density = share_ * point_.sigma_t * attenuation(point_.sigma_t, t);
         return density.x + density.y + density.z;
     }
     /// The share of the path's own collision at t in an estimate of the direct light there.
@@ -76,15 +76,11 @@ public:
     }
     /// The throughput up to and with a scattering at t that `sample` has chosen, with its weight.
     Color throughput(float t) const {
-        return beta_ * point_.sigma_s * attenuation(t) / (collision_pdf(t) + pdf(t));
+        return beta_ * point_.sigma_s * attenuation(point_.sigma_t, t) /
+               (collision_pdf(t) + pdf(t));
     }
 
 private:
-    Color attenuation(float t) const {
-        const Color depth = point_.sigma_t * t;
-        return {std::exp(-depth.x), std::exp(-depth.y), std::exp(-depth.z)};
-    }
-
     MediumSegment segment_;
     MediumPoint point_;
     Color beta_, share_;
