@@ -67,25 +67,24 @@ public:
 
     std::optional<LightSample> sample_li(const Light& light, const Receiver&,
                                          Vector2 u) const override {
-        const auto [d, radiance, pdf] = sample_direction(light.primitive, u);
+        const auto [uv, d, pdf] = sample_map(patches_, light.primitive, world_from_map_, u);
         if (!(pdf > 0)) return {};
-        return LightSample{.wi = d, .distance = infinity, .radiance = radiance, .pdf = pdf};
+        return LightSample{.wi = d, .distance = infinity, .radiance = lookup(uv), .pdf = pdf};
     }
 
     float pdf_li(const Light& light, const Receiver&, Vector3 wi,
                  const Interaction*) const override {
-        const MapPoint at = map_point(world_from_map_.to_local(wi));
-        if (!(at.sin_theta > 0)) return 0;
-        return patches_.pdf(light.primitive, at.uv) / (2 * pi * pi * at.sin_theta);
+        return map_pdf(patches_, light.primitive, world_from_map_, wi);
     }
 
     std::optional<EmissionSample> sample_emission(const Light& light, Vector2 u_position,
                                                   Vector2 u_direction) const override {
-        const auto [d, radiance, pdf] = sample_direction(light.primitive, u_direction);
+        const auto [uv, d, pdf] =
+            sample_map(patches_, light.primitive, world_from_map_, u_direction);
         if (!(pdf > 0)) return {};
         const float area = sphere_.cross_section();
         return EmissionSample{.ray = {.o = sphere_.ray_origin(-d, u_position), .d = -d},
-                              .power = radiance * (area / pdf),
+                              .power = lookup(uv) * (area / pdf),
                               .pdf_position = 1 / area,
                               .pdf_direction = pdf};
     }
@@ -98,20 +97,6 @@ public:
     }
 
 private:
-    struct DirectionSample {
-        Vector3 d{0};  ///< towards the light
-        Color radiance{0};
-        float pdf = 0;
-    };
-
-    DirectionSample sample_direction(std::uint32_t patch, Vector2 u) const {
-        const PiecewiseConstant2D::Sample at = patches_.sample(patch, with_more_bits(u));
-        float sin_theta = 0;
-        const Vector3 d = map_direction(at.p, sin_theta);
-        if (!(at.pdf > 0 && sin_theta > 0)) return {};
-        return {world_from_map_.to_world(d), lookup(at.p), at.pdf / (2 * pi * pi * sin_theta)};
-    }
-
     /// Copies the colours; returns the number of texels that cannot be. Channels just below zero
     /// come from conversions between colour spaces.
     std::size_t take_texels(const Image& image, float scale) {

@@ -62,4 +62,28 @@ inline Bounds3 map_directions(const MapPatches& patches, std::uint32_t patch,
     return {.min = box.min - margin, .max = box.max + margin};
 }
 
+/// A direction of a patch.
+struct MapSample {
+    Vector2 uv{0};
+    Vector3 d{0};   ///< in the world
+    float pdf = 0;  ///< [1/sr]; 0: none
+};
+
+inline MapSample sample_map(const MapPatches& patches, std::uint32_t patch,
+                            const Frame& world_from_map, Vector2 u) {
+    const PiecewiseConstant2D::Sample at = patches.sample(patch, with_more_bits(u));
+    float sin_theta = 0;
+    const Vector3 d = map_direction(at.p, sin_theta);
+    if (!(at.pdf > 0 && sin_theta > 0)) return {};
+    return {at.p, world_from_map.to_world(d), at.pdf / (2 * pi * pi * sin_theta)};
+}
+
+/// The density of `sample_map` [1/sr].
+inline float map_pdf(const MapPatches& patches, std::uint32_t patch, const Frame& world_from_map,
+                     Vector3 d) {
+    const MapPoint at = map_point(world_from_map.to_local(d));
+    if (!(at.sin_theta > 0)) return 0;
+    return patches.pdf(patch, at.uv) / (2 * pi * pi * at.sin_theta);
+}
+
 }  // namespace lucerna

@@ -39,27 +39,25 @@ public:
 
     std::optional<LightSample> sample_li(const Light& light, const Receiver&,
                                          Vector2 u) const override {
-        const auto [d, pdf] = sample_direction(light.primitive, u);
+        const auto [d, radiance, pdf] = sample_direction(light.primitive, u);
         if (!(pdf > 0)) return {};
-        return LightSample{.wi = d, .distance = infinity, .radiance = environment(d), .pdf = pdf};
+        return LightSample{.wi = d, .distance = infinity, .radiance = radiance, .pdf = pdf};
     }
 
     float pdf_li(const Light& light, const Receiver&, Vector3 wi,
                  const Interaction*) const override {
         const bool sun = in_sun(wi);
         if (light.primitive == sky_lights()) return sun ? sun_pdf() : 0.0f;
-        const MapPoint at = map_point(world_from_map_.to_local(wi));
-        if (sun || !(at.sin_theta > 0)) return 0;
-        return patches_.pdf(light.primitive, at.uv) / (2 * pi * pi * at.sin_theta);
+        return sun ? 0.0f : map_pdf(patches_, light.primitive, world_from_map_, wi);
     }
 
     std::optional<EmissionSample> sample_emission(const Light& light, Vector2 u_position,
                                                   Vector2 u_direction) const override {
-        const auto [d, pdf] = sample_direction(light.primitive, u_direction);
+        const auto [d, radiance, pdf] = sample_direction(light.primitive, u_direction);
         if (!(pdf > 0)) return {};
         const float area = sphere_.cross_section();
         return EmissionSample{.ray = {.o = sphere_.ray_origin(-d, u_position), .d = -d},
-                              .power = environment(d) * (area / pdf),
+                              .power = radiance * (area / pdf),
                               .pdf_position = 1 / area,
                               .pdf_direction = pdf};
     }
@@ -103,7 +101,8 @@ protected:
 private:
     struct DirectionSample {
         Vector3 d{0};  ///< towards the light
-        float pdf = 0;
+        Color radiance{0};
+        float pdf = 0;  ///< [1/sr]; 0: none
     };
 
     void read_sun(const Params& params, const char* scale) {
@@ -138,14 +137,13 @@ private:
         if (primitive == sky_lights()) {
             const Vector3 local = square_to_uniform_cone(u, one_minus_cos_);
             const Vector3 d = Frame::from_normal(sun_).to_world(local);
+            const Color radiance = environment(d);
             // Rounding may put a direction beyond the edge.
-            return {d, in_sun(d) && !is_black(environment(d)) ? sun_pdf() : 0.0f};
+            return {d, radiance, in_sun(d) && !is_black(radiance) ? sun_pdf() : 0.0f};
         }
-        const PiecewiseConstant2D::Sample at = patches_.sample(primitive, with_more_bits(u));
-        float sin_theta = 0;
-        const Vector3 d = world_from_map_.to_world(map_direction(at.p, sin_theta));
-        if (!(at.pdf > 0 && sin_theta > 0) || in_sun(d)) return {};
-        return {d, at.pdf / (2 * pi * pi * sin_theta)};
+        const MapSample at = sample_map(patches_, primitive, world_from_map_, u);
+        if (!(at.pdf > 0) || in_sun(at.d)) return {};
+        return {at.d, environment(at.d), at.pdf};
     }
 
     /// Reads the orientation of the sky, and where the sun stands in it.
