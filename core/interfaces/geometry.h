@@ -45,8 +45,8 @@ struct ParallelogramGeometry {
 struct CurveGeometry {
     enum class Basis { linear, bspline } basis;
     std::span<const glm::vec4> points;         ///< x, y, z, radius
-    std::span<const std::uint32_t> first;      ///< of each segment: its first control point
-    std::span<const std::uint8_t> neighbours;  ///< of linear ones: 1 if one is before, 2 if behind
+    std::span<const std::uint32_t> first;      ///< control point of each segment
+    std::span<const std::uint8_t> neighbours;  ///< linear segments: 1 if one is before, 2 if behind
 };
 
 /// One primitive that answers rays by itself through `Shape::intersect`.

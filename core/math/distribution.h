@@ -149,9 +149,9 @@ private:
     Vector2i cells(Vector2i tile) const { return glm::min(size_ - side * tile, Vector2i(side)); }
     Tile make_tile(std::span<const float> weights, Vector2i index, double alike);
 
-    int columns_ = 0;               ///< of tiles
-    std::vector<double> rows_cdf_;  ///< of the rows of tiles
-    std::vector<double> row_cdfs_;  ///< of the tiles in each row, one behind the other
+    int columns_ = 0;               ///< number of tiles in a row
+    std::vector<double> rows_cdf_;  ///< cumulative, over the rows of tiles
+    std::vector<double> row_cdfs_;  ///< cumulative, over the tiles of each row in turn
     std::vector<Tile> tiles_;
     std::vector<Details> details_;
     Vector2i size_{0};
