@@ -95,6 +95,8 @@ private:
         return index < 6 ? index : 6 + index % 2;
     }
 
+    static constexpr int named_slots = 8;  ///< x, y, z, nx, ny, nz, u, v
+
     static bool is_corners(const PlyProperty& p) {
         return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
     }
@@ -113,7 +115,7 @@ private:
     void read_vertices(const PlyElement& element) {
         has_vertices_ = true;
         std::vector<int> slots;
-        std::array<bool, 8> present{};
+        std::array<bool, named_slots> present{};
         for (const PlyProperty& property : element.properties) {
             slots.push_back(slot_of(property));
             if (slots.back() >= 0) present[static_cast<std::size_t>(slots.back())] = true;
@@ -122,12 +124,12 @@ private:
             source_.fail("element \"vertex\" needs the properties x, y and z");
         }
         const std::vector<PlyAttribute> attributes = ply_attributes(element, "vertex_");
-        std::vector<double> values(8 + mark_attributes(attributes, slots));
+        std::vector<double> values(named_slots + mark_attributes(attributes, slots));
         const bool normals = present[3] && present[4] && present[5];
         const bool uvs = present[6] && present[7] && !uvs_of_faces_;
         note_unread(element, [&](std::size_t k) {
             const int slot = slots[k];
-            return slot >= 0 && (slot < 3 || (slot < 6 ? normals : slot > 7 || uvs));
+            return slot >= 0 && (slot < 3 || (slot < 6 ? normals : slot >= named_slots || uvs));
         });
         MeshData& to = uvs_of_faces_ ? source_mesh_ : mesh_;
         to.world_from_file = mesh_.world_from_file;
@@ -147,7 +149,7 @@ private:
             to.add_position({values[0], values[1], values[2]});
             if (normals) to.add_normal({values[3], values[4], values[5]});
             if (uvs) to.uvs.emplace_back(Vector2d(values[6], values[7]));
-            add_values(to, first, attributes, &values[8]);
+            add_values(to, first, attributes, values.data() + named_slots);
             if (uvs_of_faces_) vertices_.add_position();
         }
         if (uvs_of_faces_) add_attributes(mesh_, attributes, false);
@@ -160,7 +162,7 @@ private:
         }
         const std::vector<PlyAttribute> attributes = ply_attributes(element, "face_");
         std::vector<int> slots(element.properties.size(), -1);
-        std::vector<double> values(8 + mark_attributes(attributes, slots));
+        std::vector<double> values(named_slots + mark_attributes(attributes, slots));
         note_unread(element, [&](std::size_t k) {
             return slots[k] >= 0 || is_corners(element.properties[k]) ||
                    is_face_uvs(element.properties[k]);
@@ -184,20 +186,21 @@ private:
             const std::size_t before = mesh_.indices.size();
             add_face(i);
             for (std::size_t n = before; n < mesh_.indices.size(); n += 3) {
-                add_values(mesh_, first, attributes, &values[8]);
+                add_values(mesh_, first, attributes, values.data() + named_slots);
             }
         }
     }
 
-    /// Gives the numbers of attributes slots from 8 on; returns how many there are.
+    /// Gives the numbers of attributes the slots behind; returns how many there are.
     static std::size_t mark_attributes(const std::vector<PlyAttribute>& attributes,
                                        std::vector<int>& slots) {
-        int next = 8;
+        int next = named_slots;
         for (const PlyAttribute& attribute : attributes) {
-            for (std::size_t c = 0; c < attribute.size; ++c)
+            for (std::size_t c = 0; c < attribute.size; ++c) {
                 slots[attribute.properties[c]] = next++;
+            }
         }
-        return static_cast<std::size_t>(next - 8);
+        return static_cast<std::size_t>(next - named_slots);
     }
 
     /// Makes room for attributes; returns where they begin. Triangles that are there have zeros.
