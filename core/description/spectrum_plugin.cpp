@@ -21,7 +21,7 @@ public:
 
     double number(std::string_view name, std::optional<double> absent = {}) {
         const Property* const p = find(name, !absent);
-        if (!p) return *absent;
+        if (!p) return absent.value();
         if (const auto* real = std::get_if<double>(&p->value)) return *real;
         if (const auto* whole = std::get_if<std::int64_t>(&p->value)) {
             return static_cast<double>(*whole);
@@ -31,7 +31,7 @@ public:
 
     ColorD color(std::string_view name, std::optional<ColorD> absent = {}) {
         const Property* const p = find(name, !absent);
-        if (!p) return *absent;
+        if (!p) return absent.value();
         if (const auto* rgb = std::get_if<Rgb>(&p->value)) return rgb->value;
         throw wrong(*p, "an rgb");
     }
