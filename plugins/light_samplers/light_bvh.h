@@ -45,6 +45,9 @@ public:
 
     LightBVH() = default;
     LightBVH(const Scene& scene, LightBVHKind kind);
+    /// Over lights whose indices in the scene are below `light_count`.
+    LightBVH(std::vector<TreeLight> lights, std::size_t light_count, const Workers& workers,
+             LightBVHKind kind);
 
     bool empty() const { return nodes_.empty(); }
     std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
@@ -124,8 +127,8 @@ inline float pbrt_power(const Light& light, const LightBounds& bounds) {
     return static_cast<float>(power);
 }
 
-inline LightBVH::LightBVH(const Scene& scene, LightBVHKind kind)
-    : kind_(kind), paths_(scene.lights().size(), no_path) {
+/// The lights of a scene that are somewhere; powers are relative to the largest.
+inline std::vector<TreeLight> lights_by_power(const Scene& scene) {
     std::vector<TreeLight> lights;
     double largest = 0;
     for (const Light& light : scene.lights()) {
@@ -145,9 +148,17 @@ inline LightBVH::LightBVH(const Scene& scene, LightBVHKind kind)
                                       .two_sided = bounds.two_sided},
                           .light = i});
     }
+    return lights;
+}
+
+inline LightBVH::LightBVH(const Scene& scene, LightBVHKind kind)
+    : LightBVH(lights_by_power(scene), scene.lights().size(), Workers(scene.threads()), kind) {}
+
+inline LightBVH::LightBVH(std::vector<TreeLight> lights, std::size_t light_count,
+                          const Workers& workers, LightBVHKind kind)
+    : kind_(kind), paths_(light_count, no_path) {
     const bool as_pbrt = kind == LightBVHKind::pbrt;
-    const LightTree tree(std::move(lights), Workers(scene.threads()),
-                         as_pbrt ? pbrt_rules : LightTreeRules{});
+    const LightTree tree(std::move(lights), workers, as_pbrt ? pbrt_rules : LightTreeRules{});
     nodes_.reserve(tree.size());
     for (std::uint32_t i = 0; i < tree.size(); ++i) {
         const LightCluster& cluster = tree[i].cluster;
