@@ -2,9 +2,8 @@
 /// A binary tree over lights that are somewhere: what light trees of any width are made from.
 ///
 /// Top down, the split of least cost among 12 buckets along each axis, where a cluster of power Φ
-/// costs Φ M_Ω K A (Conty Estevez and Kulla 2018; pbrt 4e, 12.6.3). Other than pbrt's, at depth 40
-/// and below clusters are halved by number, so that a path fits into 64 bits, and clusters on a
-/// line have an area.
+/// costs Φ M_Ω K A (Conty Estevez and Kulla 2018; pbrt 4e, 12.6.3). At depth 40 and below clusters
+/// are halved by number, so that a path fits into 64 bits. `pbrt_rules` make pbrt's tree.
 #pragma once
 
 #include "core/base/parallel.h"
@@ -33,6 +32,18 @@ struct TreeLight {
     LightCluster cluster;
     std::uint32_t light = 0;  ///< index in the scene
 };
+
+/// How splits are chosen. Those of pbrt are coarser, and depend on rounding in symmetric places.
+struct LightTreeRules {
+    std::size_t first_split = 0;   ///< least bucket that is the last one below a split
+    float line_area = 1e-6f;       ///< area of a cluster on a line, over its squared extent
+    float shift = 1e-3f;           ///< of buckets, so that lights in symmetric places fall alike
+                                   ///< in any unit of length; in buckets
+    float clearly_less = 0.9999f;  ///< of two splits, the later one costs less by this factor
+    bool upwards = false;          ///< clusters above a split are united in ascending order
+};
+inline constexpr LightTreeRules pbrt_rules{
+    .first_split = 1, .line_area = 0, .shift = 0, .clearly_less = 1, .upwards = true};
 
 /// Angle between unit vectors, exact where it is small or near π.
 inline float angle_between(Vector3 a, Vector3 b) {
@@ -96,7 +107,9 @@ public:
     };
 
     LightTree() = default;
-    LightTree(std::vector<TreeLight> lights, const Workers& workers) : lights_(std::move(lights)) {
+    LightTree(std::vector<TreeLight> lights, const Workers& workers,
+              const LightTreeRules& rules = {})
+        : rules_(rules), lights_(std::move(lights)) {
         build(workers);
     }
 
@@ -118,19 +131,22 @@ private:
     struct Split {
         int axis = -1;
         int bucket = 0;
-        float low = 0, scale = 0;
+        float low = 0, width = 0, shift = 0;
         int bucket_of(const LightCluster& c) const {
-            // A little up, so that lights in symmetric places fall alike in any unit of length.
-            const float x = (c.box.center()[axis] - low) * scale + 1e-3f;
+            const float x = buckets * ((c.box.center()[axis] - low) / width) + shift;
             return std::min(static_cast<int>(x), buckets - 1);
         }
     };
+
+    using Bins = std::array<LightCluster, buckets>;
 
     void build(const Workers& workers);
     void build_below(const Range& range);
     std::array<Range, 2> divide(const Range& range);
     Split best_split(const Range& range) const;
+    Bins clusters_above(const Bins& bins) const;
 
+    LightTreeRules rules_;
     std::vector<TreeLight> lights_;
     std::vector<Node> nodes_;
 };
@@ -201,16 +217,17 @@ inline LightTree::Split LightTree::best_split(const Range& range) const {
     const auto cost = [&](const LightCluster& c, int axis) {
         if (!(c.power > 0)) return 0.0f;
         const Vector3 e = c.box.extent();
-        const float area = 2 * (e.x * e.y + e.y * e.z + e.z * e.x) + 1e-6f * sqr(longest);
+        const float area =
+            2 * (e.x * e.y + e.y * e.z + e.z * e.x) + rules_.line_area * sqr(longest);
         return c.power * emission_measure(c.cos_normals, c.cos_emission) * area * longest /
                extent[axis];
     };
-    std::array<std::array<LightCluster, buckets>, 3> bins;
+    std::array<Bins, 3> bins;
     std::array<Split, 3> splits;
     for (int axis = 0; axis < 3; ++axis) {
         const float width = centers.extent()[axis];
         if (!(width > 0)) continue;
-        splits[static_cast<std::size_t>(axis)] = {axis, 0, centers.min[axis], buckets / width};
+        splits[static_cast<std::size_t>(axis)] = {axis, 0, centers.min[axis], width, rules_.shift};
     }
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -223,23 +240,34 @@ inline LightTree::Split LightTree::best_split(const Range& range) const {
     float least = infinity;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (splits[axis].axis < 0) continue;
-        std::array<LightCluster, buckets> above;
-        for (std::size_t i = buckets - 1; i-- > 0;) {
-            above[i] = above[i + 1];
-            above[i].include(bins[axis][i + 1]);
-        }
+        const Bins above = clusters_above(bins[axis]);
         LightCluster below;
         for (std::size_t i = 0; i + 1 < buckets; ++i) {
             below.include(bins[axis][i]);
+            if (i < rules_.first_split) continue;
             const int dimension = static_cast<int>(axis);
             const float sum = cost(below, dimension) + cost(above[i], dimension);
-            if (!(sum > 0 && sum < 0.9999f * least)) continue;  // ties: the first
+            if (!(sum > 0 && sum < rules_.clearly_less * least)) continue;  // ties: the first
             least = sum;
             best = splits[axis];
             best.bucket = static_cast<int>(i);
         }
     }
     return best;
+}
+
+/// Of each bucket, all lights in buckets above it. A union depends a little on its order.
+inline LightTree::Bins LightTree::clusters_above(const Bins& bins) const {
+    Bins above;
+    for (std::size_t i = buckets - 1; i-- > 0;) {
+        if (rules_.upwards) {
+            for (std::size_t k = i + 1; k < buckets; ++k) above[i].include(bins[k]);
+        } else {
+            above[i] = above[i + 1];
+            above[i].include(bins[i + 1]);
+        }
+    }
+    return above;
 }
 
 template <typename Function>

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A binary light tree whose nodes have an importance at a point: a bound of what their lights
+/// contribute there.
+///
+/// For a cluster of power Φ, box centre c and normal cone θo, seen from x with normal n along ω at
+/// distance d, where θb is the angle that the sphere around the box subtends (Conty Estevez and
+/// Kulla 2018, section 4.3; pbrt 4e, 12.6.3),
+///
+///   I = Φ cos θ' |cos θi'| / d²,   θ' = max(0, θω − θo − θb),   θi' = max(0, θi − θb)
+///
+/// and 0 if θ' exceeds the angle of emission. d² is no less than the squared radius r² of that
+/// sphere, or, as in pbrt, than the length r, so that probabilities depend on the unit. A cosine is
+/// at least 10⁻⁵, so that rounding makes no light impossible.
+#pragma once
+
+#include "core/interfaces/light_sampler.h"
+#include "core/scene/scene.h"
+#include "plugins/light_samplers/compact_bounds.h"
+#include "plugins/light_samplers/light_tree.h"
+
+namespace lucerna {
+
+/// How trees are made and nodes weighed.
+enum class LightBVHKind {
+    pbrt,        ///< as by pbrt: its splits, its clamp, its rounded bounds
+    independent  ///< of the unit of length
+};
+
+class LightBVH {
+public:
+    /// A node, in the order of LightTree: the first child is the next node.
+    struct Node {
+        Vector3 center{0};
+        float radius = 0;
+        Vector3 axis{0};
+        float cos_normals = 1, sin_normals = 0, cos_emission = 0, power = 0;
+        std::uint32_t link = 0;  ///< the second child; of a leaf, the light
+        bool leaf = false, two_sided = false;
+    };
+    /// A node, and how far below the root it is.
+    struct Place {
+        std::uint32_t node = 0;
+        int depth = 0;
+    };
+
+    LightBVH() = default;
+    LightBVH(const Scene& scene, LightBVHKind kind);
+    /// Over lights whose indices in the scene are below `light_count`.
+    LightBVH(std::vector<TreeLight> lights, std::size_t light_count, const Workers& workers,
+             LightBVHKind kind);
+
+    bool empty() const { return nodes_.empty(); }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
+    std::uint32_t light_count() const { return (size() + 1) / 2; }
+    std::size_t bytes() const {
+        return nodes_.size() * sizeof(Node) + paths_.capacity() * sizeof(std::uint64_t);
+    }
+    const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
+    bool holds(std::uint32_t light) const { return paths_[light] != no_path; }
+
+    /// I d²: what the cosines leave of the power.
+    float strength(const Node& node, const Receiver& at) const;
+    float importance(const Node& node, const Receiver& at) const {
+        const Vector3 d = at.p - node.center;
+        const float least = kind_ == LightBVHKind::pbrt ? node.radius : sqr(node.radius);
+        return strength(node, at) / std::max({glm::dot(d, d), least, least_distance2_});
+    }
+
+    /// The probabilities with which a walk down the tree takes the children of a node.
+    struct Children {
+        float first = 0, second = 0;  ///< both zero: no light below can reach the point
+        bool any() const { return first + second > 0; }
+        static Children in_proportion(float first, float second) {
+            const float sum = first + second;
+            return sum > 0 ? Children{first / sum, second / sum} : Children{};
+        }
+    };
+    Children by_importance(std::uint32_t node, const Receiver& at) const {
+        return Children::in_proportion(importance(nodes_[node + 1], at),
+                                       importance(nodes_[nodes_[node].link], at));
+    }
+    /// Draws a light below a node; u in [0, 1). `pmf` of the result begins with `scale`.
+    template <typename Choose>
+    std::optional<LightChoice> draw(std::uint32_t node, double u, float scale,
+                                    const Choose& choose) const;
+    /// The number that `draw` reports for a light below a place.
+    template <typename Choose>
+    float pmf(Place from, std::uint32_t light, float scale, const Choose& choose) const;
+    /// The first place on the way from the root to a light for which `is_end`.
+    template <typename IsEnd>
+    std::optional<Place> find_above(std::uint32_t light, const IsEnd& is_end) const;
+
+private:
+    static constexpr std::uint64_t no_path = ~std::uint64_t{0};
+
+    static Node make_node(const LightTree::Node& node, const LightCluster& cluster);
+
+    LightBVHKind kind_ = LightBVHKind::independent;
+    std::vector<Node> nodes_;
+    float least_distance2_ = 1e-37f;    ///< of a point to a light
+    std::vector<std::uint64_t> paths_;  ///< of each light of the scene
+};
+
+inline LightBVH::Node LightBVH::make_node(const LightTree::Node& node,
+                                          const LightCluster& cluster) {
+    return {.center = cluster.box.center(),
+            .radius = cluster.box.radius(),
+            .axis = cluster.axis,
+            .cos_normals = cluster.cos_normals,
+            .sin_normals = safe_sqrt(1 - sqr(cluster.cos_normals)),
+            .cos_emission = cluster.cos_emission,
+            .power = cluster.power,
+            .link = node.link,
+            .leaf = node.leaf,
+            .two_sided = cluster.two_sided};
+}
+
+/// pbrt counts a spot as if it shone in all directions as it does along its axis.
+inline float pbrt_power(const Light& light, const LightBounds& bounds) {
+    double power = bounds.power;
+    if (light.emitter->delta()) {
+        const double beam = std::acos(static_cast<double>(bounds.cos_normals));
+        const double edge = std::acos(static_cast<double>(bounds.cos_emission));
+        const double cutoff = bounds.cos_normals > -1 ? beam + 0.5 * edge : std::numbers::pi;
+        power *= 1 / std::max(sqr(std::sin(0.5 * cutoff)), 1e-12);
+    }
+    return static_cast<float>(power);
+}
+
+/// The lights of a scene that are somewhere; powers are relative to the largest.
+inline std::vector<TreeLight> lights_by_power(const Scene& scene) {
+    std::vector<TreeLight> lights;
+    double largest = 0;
+    for (const Light& light : scene.lights()) {
+        if (light.emitter->infinite()) continue;
+        largest = std::max(largest, light.emitter->bounds(light).power);
+    }
+    for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+        const Light& light = scene.lights()[i];
+        LightBounds bounds = light.emitter->bounds(light);
+        if (!(bounds.power > 0) || light.emitter->infinite()) continue;
+        bounds.power = std::max(bounds.power / largest, 1e-30);
+        lights.push_back({.cluster = {.box = bounds.box,
+                                      .axis = bounds.axis,
+                                      .cos_normals = std::max(bounds.cos_normals, -1.0f),
+                                      .cos_emission = bounds.cos_emission - 1e-5f,
+                                      .power = pbrt_power(light, bounds),
+                                      .two_sided = bounds.two_sided},
+                          .light = i});
+    }
+    return lights;
+}
+
+inline LightBVH::LightBVH(const Scene& scene, LightBVHKind kind)
+    : LightBVH(lights_by_power(scene), scene.lights().size(), Workers(scene.threads()), kind) {}
+
+inline LightBVH::LightBVH(std::vector<TreeLight> lights, std::size_t light_count,
+                          const Workers& workers, LightBVHKind kind)
+    : kind_(kind), paths_(light_count, no_path) {
+    const bool as_pbrt = kind == LightBVHKind::pbrt;
+    const LightTree tree(std::move(lights), workers, as_pbrt ? pbrt_rules : LightTreeRules{});
+    nodes_.reserve(tree.size());
+    for (std::uint32_t i = 0; i < tree.size(); ++i) {
+        const LightCluster& cluster = tree[i].cluster;
+        nodes_.push_back(
+            make_node(tree[i], as_pbrt ? compact(cluster, tree[0].cluster.box) : cluster));
+    }
+    const float size = nodes_.empty() ? 0.0f : nodes_[0].radius;
+    least_distance2_ = std::max(sqr(1e-7f * size), 1e-37f);
+    tree.for_each_path([&](std::uint32_t light, std::uint64_t path) { paths_[light] = path; });
+}
+
+/// cos and sin of max(0, a − b).
+inline float cos_of_difference(float sin_a, float cos_a, float sin_b, float cos_b) {
+    return cos_a > cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
+}
+inline float sin_of_difference(float sin_a, float cos_a, float sin_b, float cos_b) {
+    return cos_a > cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
+}
+
+inline float LightBVH::strength(const Node& node, const Receiver& at) const {
+    const Vector3 d = at.p - node.center;
+    const float distance2 = glm::dot(d, d);
+    const float radius = node.radius + 4 * at.error;
+    const Vector3 w = distance2 > 0 ? d / std::sqrt(distance2) : node.axis;
+    const bool inside = distance2 <= sqr(radius);
+    const float cos_b = inside ? -1.0f : safe_sqrt(1 - sqr(radius) / distance2);
+    const float sin_b = inside ? 0.0f : radius / std::sqrt(distance2);
+
+    float cos_w = std::clamp(glm::dot(node.axis, w), -1.0f, 1.0f);
+    if (node.two_sided) cos_w = std::abs(cos_w);
+    const float sin_w = safe_sqrt(1 - sqr(cos_w));
+    const float cos_x = cos_of_difference(sin_w, cos_w, node.sin_normals, node.cos_normals);
+    const float sin_x = sin_of_difference(sin_w, cos_w, node.sin_normals, node.cos_normals);
+    const float cos_emitted = inside ? 1.0f : cos_of_difference(sin_x, cos_x, sin_b, cos_b);
+    if (cos_emitted <= node.cos_emission) return 0;
+
+    const float cos_i = std::min(std::abs(glm::dot(w, at.ns)), 1.0f);
+    const float cos_incident =
+        inside || !at.has_normal()
+            ? 1.0f
+            : cos_of_difference(safe_sqrt(1 - sqr(cos_i)), cos_i, sin_b, cos_b);
+    // Grazing light is weak, but rounding must not make it impossible.
+    return node.power * std::max(cos_emitted, 1e-5f) * std::max(cos_incident, 1e-5f);
+}
+
+template <typename Choose>
+std::optional<LightChoice> LightBVH::draw(std::uint32_t node, double u, float scale,
+                                          const Choose& choose) const {
+    float pmf = scale;
+    while (!nodes_[node].leaf) {
+        const Children p = choose(node);
+        const auto first = static_cast<double>(p.first);
+        const bool second = !(u < first);
+        if (!p.any() || (second && !(p.second > 0))) return {};
+        u = second ? (u - first) / (1 - first) : u / first;
+        u = std::min(u, 1 - 0x1p-53);
+        pmf *= second ? p.second : p.first;
+        node = second ? nodes_[node].link : node + 1;
+    }
+    return LightChoice{nodes_[node].link, pmf};
+}
+
+template <typename Choose>
+float LightBVH::pmf(Place from, std::uint32_t light, float scale, const Choose& choose) const {
+    std::uint64_t path = paths_[light] >> from.depth;
+    float pmf = scale;
+    for (std::uint32_t node = from.node; !nodes_[node].leaf; path >>= 1) {
+        const Children p = choose(node);
+        const bool second = path & 1;
+        pmf *= second ? p.second : p.first;
+        node = second ? nodes_[node].link : node + 1;
+    }
+    return pmf;
+}
+
+template <typename IsEnd>
+std::optional<LightBVH::Place> LightBVH::find_above(std::uint32_t light,
+                                                    const IsEnd& is_end) const {
+    std::uint64_t path = paths_[light];
+    for (Place place;; ++place.depth, path >>= 1) {
+        if (is_end(place.node)) return place;
+        const Node& node = nodes_[place.node];
+        if (node.leaf) return {};
+        place.node = path & 1 ? node.link : place.node + 1;
+    }
+}
+
+}  // namespace lucerna
