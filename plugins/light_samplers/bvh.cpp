@@ -24,7 +24,7 @@ public:
 
     void prepare(const Scene& scene) override {
         groups_ = LightGroups(scene);
-        tree_ = LightBVH(scene, LightBVHKind::pbrt);
+        tree_ = LightBVH(scene);
     }
     std::uint32_t draws() const override {
         return tree_.empty() && groups_.infinite() == 0 ? 0 : draws_;

@@ -8,9 +8,9 @@
 ///
 ///   I = Φ cos θ' |cos θi'| / d²,   θ' = max(0, θω − θo − θb),   θi' = max(0, θi − θb)
 ///
-/// and 0 if θ' exceeds the angle of emission. d² is no less than the squared radius r² of that
-/// sphere, or, as in pbrt, than the length r, so that probabilities depend on the unit. A cosine is
-/// at least 10⁻⁵, so that rounding makes no light impossible.
+/// and 0 if θ' exceeds the angle of emission. As in pbrt, d² is no less than the radius r of that
+/// sphere, so that probabilities depend on the unit of length. A cosine is at least 10⁻⁵, so that
+/// rounding makes no light impossible.
 #pragma once
 
 #include "core/interfaces/light_sampler.h"
@@ -19,12 +19,6 @@
 #include "plugins/light_samplers/light_tree.h"
 
 namespace lucerna {
-
-/// How trees are made and nodes weighed.
-enum class LightBVHKind {
-    pbrt,        ///< as by pbrt: its splits, its clamp, its rounded bounds
-    independent  ///< of the unit of length
-};
 
 class LightBVH {
 public:
@@ -44,10 +38,9 @@ public:
     };
 
     LightBVH() = default;
-    LightBVH(const Scene& scene, LightBVHKind kind);
+    explicit LightBVH(const Scene& scene);
     /// Over lights whose indices in the scene are below `light_count`.
-    LightBVH(std::vector<TreeLight> lights, std::size_t light_count, const Workers& workers,
-             LightBVHKind kind);
+    LightBVH(std::vector<TreeLight> lights, std::size_t light_count, const Workers& workers);
 
     bool empty() const { return nodes_.empty(); }
     std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
@@ -62,8 +55,7 @@ public:
     float strength(const Node& node, const Receiver& at) const;
     float importance(const Node& node, const Receiver& at) const {
         const Vector3 d = at.p - node.center;
-        const float least = kind_ == LightBVHKind::pbrt ? node.radius : sqr(node.radius);
-        return strength(node, at) / std::max({glm::dot(d, d), least, least_distance2_});
+        return strength(node, at) / std::max({glm::dot(d, d), node.radius, least_distance2_});
     }
 
     /// The probabilities with which a walk down the tree takes the children of a node.
@@ -95,7 +87,6 @@ private:
 
     static Node make_node(const LightTree::Node& node, const LightCluster& cluster);
 
-    LightBVHKind kind_ = LightBVHKind::independent;
     std::vector<Node> nodes_;
     float least_distance2_ = 1e-37f;    ///< of a point to a light
     std::vector<std::uint64_t> paths_;  ///< of each light of the scene
@@ -151,19 +142,17 @@ inline std::vector<TreeLight> lights_by_power(const Scene& scene) {
     return lights;
 }
 
-inline LightBVH::LightBVH(const Scene& scene, LightBVHKind kind)
-    : LightBVH(lights_by_power(scene), scene.lights().size(), Workers(scene.threads()), kind) {}
+inline LightBVH::LightBVH(const Scene& scene)
+    : LightBVH(lights_by_power(scene), scene.lights().size(), Workers(scene.threads())) {}
 
 inline LightBVH::LightBVH(std::vector<TreeLight> lights, std::size_t light_count,
-                          const Workers& workers, LightBVHKind kind)
-    : kind_(kind), paths_(light_count, no_path) {
-    const bool as_pbrt = kind == LightBVHKind::pbrt;
-    const LightTree tree(std::move(lights), workers, as_pbrt ? pbrt_rules : LightTreeRules{});
+                          const Workers& workers)
+    : paths_(light_count, no_path) {
+    const LightTree tree(std::move(lights), workers, pbrt_rules);
     nodes_.reserve(tree.size());
     for (std::uint32_t i = 0; i < tree.size(); ++i) {
         const LightCluster& cluster = tree[i].cluster;
-        nodes_.push_back(
-            make_node(tree[i], as_pbrt ? compact(cluster, tree[0].cluster.box) : cluster));
+        nodes_.push_back(make_node(tree[i], compact(cluster, tree[0].cluster.box)));
     }
     const float size = nodes_.empty() ? 0.0f : nodes_[0].radius;
     least_distance2_ = std::max(sqr(1e-7f * size), 1e-37f);

@@ -101,7 +101,7 @@ TEST(LightBVH, has_the_probabilities_of_pbrt_for_its_bounds_of_lights) {
     const std::vector<ListedScene> scenes = read_list();
     ASSERT_EQ(scenes.size(), 2u);
     for (const ListedScene& listed : scenes) {
-        const LightBVH tree(listed.bounded, listed.bounded.size(), Workers(1), LightBVHKind::pbrt);
+        const LightBVH tree(listed.bounded, listed.bounded.size(), Workers(1));
         int count = 0;
         const auto pmf = [&](const Receiver& at, std::uint32_t light) {
             return tree.pmf({}, light, 1,
