@@ -40,10 +40,6 @@ private:
         const auto n = static_cast<float>(groups_.infinite());
         return n / (n + (tree_.empty() ? 0.0f : 1.0f));
     }
-    /// A single light is weighed, too.
-    bool reaches(const Receiver& at) const {
-        return !tree_.empty() && (!tree_[0].leaf || tree_.importance(tree_[0], at) > 0);
-    }
 
     std::uint32_t draws_;
     LightBVH tree_;
@@ -63,10 +59,9 @@ std::optional<LightChoice> BVHLightSampler::sample(const Receiver& at, std::uint
         choice.pmf *= scale * infinite / static_cast<float>(count);
         return choice;
     }
-    if (!reaches(at)) return {};
+    if (!tree_.reaches(at)) return {};
     place = (place - static_cast<double>(infinite)) / (1 - static_cast<double>(infinite));
-    return tree_.draw(0, place, scale * (1 - infinite),
-                      [&](std::uint32_t node) { return tree_.by_importance(node, at); });
+    return tree_.sample(at, place, scale * (1 - infinite));
 }
 
 float BVHLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
@@ -75,9 +70,8 @@ float BVHLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
     if (groups_.at_infinity(light)) {
         return scale * infinite / static_cast<float>(groups_.infinite()) * groups_.pmf(light);
     }
-    if (!tree_.holds(light) || !reaches(at)) return 0;
-    return tree_.pmf({}, light, scale * (1 - infinite),
-                     [&](std::uint32_t node) { return tree_.by_importance(node, at); });
+    if (!tree_.holds(light) || !tree_.reaches(at)) return 0;
+    return tree_.pmf(at, light, scale * (1 - infinite));
 }
 
 }  // namespace

@@ -31,11 +31,6 @@ public:
         std::uint32_t link = 0;  ///< the second child; of a leaf, the light
         bool leaf = false, two_sided = false;
     };
-    /// A node, and how far below the root it is.
-    struct Place {
-        std::uint32_t node = 0;
-        int depth = 0;
-    };
 
     LightBVH() = default;
     explicit LightBVH(const Scene& scene);
@@ -43,53 +38,43 @@ public:
     LightBVH(std::vector<TreeLight> lights, std::size_t light_count, const Workers& workers);
 
     bool empty() const { return nodes_.empty(); }
-    std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
-    std::uint32_t light_count() const { return (size() + 1) / 2; }
     std::size_t bytes() const {
         return nodes_.size() * sizeof(Node) + paths_.capacity() * sizeof(std::uint64_t);
     }
-    const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
     bool holds(std::uint32_t light) const { return paths_[light] != no_path; }
-
-    /// I d²: what the cosines leave of the power.
-    float strength(const Node& node, const Receiver& at) const;
-    float importance(const Node& node, const Receiver& at) const {
-        const Vector3 d = at.p - node.center;
-        return strength(node, at) / std::max({glm::dot(d, d), node.radius, least_distance2_});
+    /// False if no light can reach the point. The root is weighed only if it is a light: others
+    /// are found dark on the way.
+    bool reaches(const Receiver& at) const {
+        return !empty() && (!nodes_[0].leaf || importance(nodes_[0], at) > 0);
     }
 
-    /// The probabilities with which a walk down the tree takes the children of a node.
-    struct Children {
-        float first = 0, second = 0;  ///< both zero: no light below can reach the point
-        bool any() const { return first + second > 0; }
-        static Children in_proportion(float first, float second) {
-            const float sum = first + second;
-            return sum > 0 ? Children{first / sum, second / sum} : Children{};
-        }
-    };
-    Children by_importance(std::uint32_t node, const Receiver& at) const {
-        return Children::in_proportion(importance(nodes_[node + 1], at),
-                                       importance(nodes_[nodes_[node].link], at));
-    }
-    /// Draws a light below a node; u in [0, 1). `pmf` of the result begins with `scale`.
-    template <typename Choose>
-    std::optional<LightChoice> draw(std::uint32_t node, double u, float scale,
-                                    const Choose& choose) const;
-    /// The number that `draw` reports for a light below a place.
-    template <typename Choose>
-    float pmf(Place from, std::uint32_t light, float scale, const Choose& choose) const;
-    /// The first place on the way from the root to a light for which `is_end`.
-    template <typename IsEnd>
-    std::optional<Place> find_above(std::uint32_t light, const IsEnd& is_end) const;
+    /// Draws a light; u in [0, 1). `pmf` of the result begins with `scale`.
+    std::optional<LightChoice> sample(const Receiver& at, double u, float scale) const;
+    /// The number that `sample` reports for a light.
+    float pmf(const Receiver& at, std::uint32_t light, float scale) const;
 
 private:
     static constexpr std::uint64_t no_path = ~std::uint64_t{0};
 
+    float importance(const Node& node, const Receiver& at) const;
+
+    /// The probabilities with which a walk down the tree takes the children of a node.
+    struct Children {
+        float first = 0, second = 0;  ///< both zero: no light below can reach the point
+    };
+    Children children(std::uint32_t node, const Receiver& at) const {
+        const float first = importance(nodes_[node + 1], at);
+        const float second = importance(nodes_[nodes_[node].link], at);
+        const float sum = first + second;
+        return sum > 0 ? Children{first / sum, second / sum} : Children{};
+    }
+
     static Node make_node(const LightTree::Node& node, const LightCluster& cluster);
 
     std::vector<Node> nodes_;
-    float least_distance2_ = 1e-37f;    ///< of a point to a light
-    std::vector<std::uint64_t> paths_;  ///< of each light of the scene
+    float least_distance2_ = 1e-37f;  ///< at which a node is weighed
+    /// From the root to each light of the scene, a bit a level: 1 is the second child.
+    std::vector<std::uint64_t> paths_;
 };
 
 inline LightBVH::Node LightBVH::make_node(const LightTree::Node& node,
@@ -167,7 +152,7 @@ inline float sin_of_difference(float sin_a, float cos_a, float sin_b, float cos_
     return cos_a > cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
 }
 
-inline float LightBVH::strength(const Node& node, const Receiver& at) const {
+inline float LightBVH::importance(const Node& node, const Receiver& at) const {
     const Vector3 d = at.p - node.center;
     const float distance2 = glm::dot(d, d);
     const float radius = node.radius + 4 * at.error;
@@ -190,18 +175,19 @@ inline float LightBVH::strength(const Node& node, const Receiver& at) const {
             ? 1.0f
             : cos_of_difference(safe_sqrt(1 - sqr(cos_i)), cos_i, sin_b, cos_b);
     // Grazing light is weak, but rounding must not make it impossible.
-    return node.power * std::max(cos_emitted, 1e-5f) * std::max(cos_incident, 1e-5f);
+    const float power = node.power * std::max(cos_emitted, 1e-5f) * std::max(cos_incident, 1e-5f);
+    return power / std::max({distance2, node.radius, least_distance2_});
 }
 
-template <typename Choose>
-std::optional<LightChoice> LightBVH::draw(std::uint32_t node, double u, float scale,
-                                          const Choose& choose) const {
+inline std::optional<LightChoice> LightBVH::sample(const Receiver& at, double u,
+                                                   float scale) const {
     float pmf = scale;
+    std::uint32_t node = 0;
     while (!nodes_[node].leaf) {
-        const Children p = choose(node);
+        const Children p = children(node, at);
         const auto first = static_cast<double>(p.first);
         const bool second = !(u < first);
-        if (!p.any() || (second && !(p.second > 0))) return {};
+        if (second && !(p.second > 0)) return {};
         u = second ? (u - first) / (1 - first) : u / first;
         u = std::min(u, 1 - 0x1p-53);
         pmf *= second ? p.second : p.first;
@@ -210,29 +196,16 @@ std::optional<LightChoice> LightBVH::draw(std::uint32_t node, double u, float sc
     return LightChoice{nodes_[node].link, pmf};
 }
 
-template <typename Choose>
-float LightBVH::pmf(Place from, std::uint32_t light, float scale, const Choose& choose) const {
-    std::uint64_t path = paths_[light] >> from.depth;
+inline float LightBVH::pmf(const Receiver& at, std::uint32_t light, float scale) const {
     float pmf = scale;
-    for (std::uint32_t node = from.node; !nodes_[node].leaf; path >>= 1) {
-        const Children p = choose(node);
+    std::uint64_t path = paths_[light];
+    for (std::uint32_t node = 0; !nodes_[node].leaf; path >>= 1) {
+        const Children p = children(node, at);
         const bool second = path & 1;
         pmf *= second ? p.second : p.first;
         node = second ? nodes_[node].link : node + 1;
     }
     return pmf;
-}
-
-template <typename IsEnd>
-std::optional<LightBVH::Place> LightBVH::find_above(std::uint32_t light,
-                                                    const IsEnd& is_end) const {
-    std::uint64_t path = paths_[light];
-    for (Place place;; ++place.depth, path >>= 1) {
-        if (is_end(place.node)) return place;
-        const Node& node = nodes_[place.node];
-        if (node.leaf) return {};
-        place.node = path & 1 ? node.link : place.node + 1;
-    }
 }
 
 }  // namespace lucerna

@@ -35,11 +35,12 @@ struct TreeLight {
 
 /// How splits are chosen. Those of pbrt are coarser, and depend on rounding in symmetric places.
 struct LightTreeRules {
-    std::size_t first_split = 0;   ///< least bucket that is the last one below a split
-    float line_area = 1e-6f;       ///< area of a cluster on a line, over its squared extent
-    float shift = 1e-3f;           ///< of buckets, so that lights in symmetric places fall alike
-                                   ///< in any unit of length; in buckets
-    float clearly_less = 0.9999f;  ///< of two splits, the later one costs less by this factor
+    std::size_t first_split = 0;  ///< splits come after this bucket or a later one
+    float line_area = 1e-6f;      ///< area of a cluster on a line, over its squared extent
+    /// Added to places along an axis [buckets], so that lights in symmetric places fall alike in
+    /// any unit of length.
+    float shift = 1e-3f;
+    float clearly_less = 0.9999f;  ///< a later split must cost less than this times the best
     bool upwards = false;          ///< clusters above a split are united in ascending order
 };
 inline constexpr LightTreeRules pbrt_rules{
@@ -256,7 +257,7 @@ inline LightTree::Split LightTree::best_split(const Range& range) const {
     return best;
 }
 
-/// Of each bucket, all lights in buckets above it. A union depends a little on its order.
+/// For each bucket, the union of all buckets above it, whose rounding depends on their order.
 inline LightTree::Bins LightTree::clusters_above(const Bins& bins) const {
     Bins above;
     for (std::size_t i = buckets - 1; i-- > 0;) {

@@ -104,8 +104,7 @@ TEST(LightBVH, has_the_probabilities_of_pbrt_for_its_bounds_of_lights) {
         const LightBVH tree(listed.bounded, listed.bounded.size(), Workers(1));
         int count = 0;
         const auto pmf = [&](const Receiver& at, std::uint32_t light) {
-            return tree.pmf({}, light, 1,
-                            [&](std::uint32_t node) { return tree.by_importance(node, at); });
+            return tree.pmf(at, light, 1);
         };
         compare(listed, pmf, [&](double p, double expected) {
             EXPECT_NEAR(p, expected, expected > 0 ? 1e-3 * expected : 1e-5);
