@@ -3,8 +3,10 @@
 
 #include "core/math/vector.h"
 #include "core/render/event_rates.h"
+#include "core/render/rare_errors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -35,8 +37,8 @@ private:
 struct PixelError {
     double variance = 0;
     double error = 0;
-    double doubtful = 0;     ///< of the error: the part that noise may hide in μ²
-    double uncertainty = 0;  ///< variance of the error by what is not known of μ²
+    double least = 0;     ///< of the error: what it is if the value is as bright as it seems
+    double doubtful = 0;  ///< of the error: the part that noise may hide in μ²
 };
 
 class Estimator {
@@ -44,41 +46,42 @@ public:
     explicit Estimator(const NoisyImage& image)
         : image_(image),
           pixels_(image.mean.size() / 3),
-          background_(pixels_, std::numeric_limits<double>::quiet_NaN()) {}
+          background_(pixels_, std::numeric_limits<double>::quiet_NaN()),
+          cell_side_(static_cast<int>(std::ceil(std::sqrt(image.correlation)))) {}
 
     ErrorEstimate estimate() {
         ErrorEstimate result;
         result.image_mean = mean_of_image();
         epsilon_ = std::max(0.01 * sqr(result.image_mean), std::numeric_limits<double>::min());
-        const EventRates rates = find_rare_pixels();
+        const std::vector<RarePixel> rare = find_rare_pixels();
         Moments variances, errors;
-        PixelError sum;
-        double rare = 0;
+        double doubtful = 0, least = 0;
         for (std::size_t pixel = 0; pixel < pixels_; ++pixel) {
             if (!valid(pixel)) continue;
-            const PixelError p = is_rare(pixel) ? rare_error(pixel, rates) : usual_error(pixel);
+            const PixelError p = usual_error(pixel);
             variances.add(p.variance);
-            errors.add(p.error);
-            sum.error += p.error;
-            sum.doubtful += p.doubtful;
-            sum.uncertainty += p.uncertainty;
-            rare += is_rare(pixel) ? p.error : p.doubtful;
+            errors.add(is_rare(pixel) ? 0 : p.error);
+            add_to_cell(pixel, is_rare(pixel) ? 0 : p.error);
+            if (is_rare(pixel)) continue;
+            doubtful += p.doubtful;
+            least += p.least;
         }
         result.mse = variances.mean();
-        result.relative_mse = result.low = result.high = errors.mean();
-        if (!(sum.error > 0)) return result;
-        result.rare = rare / sum.error;
-        // The interval of the logarithm (delta method): a few pixels carry most of the error, and
-        // the distribution of the logarithm is less skewed and stays above zero.
-        const double variance = errors.variance_of_mean() + sum.uncertainty / sqr(errors.count());
-        const double spread = 1.96 * std::sqrt(2 * image_.correlation * variance) / errors.mean();
-        result.low *= std::exp(-spread);
-        result.high *= std::exp(std::min(spread, widest)) * (1 + 2 * sum.doubtful / sum.error);
+        if (!(result.mse > 0)) return result;
+        set_interval(result, errors, least / errors.count(),
+                     draw_rare_errors(rare, epsilon_, image_.correlation));
+        doubtful /= errors.count();
+        result.high += 2 * doubtful;
+        result.rare = std::min(result.rare + doubtful / result.relative_mse, 1.0);
         return result;
     }
 
 private:
-    static constexpr double widest = 50;  ///< so that `high` stays finite
+    static constexpr double widest = 25;  ///< so that `high` stays finite
+    /// Of the normal distribution, in the middles of thirteen equal parts; the outermost are those
+    /// of 95 %.
+    static constexpr std::array<double, 13> normal_quantiles = {
+        -1.96, -1.20, -0.87, -0.62, -0.40, -0.19, 0, 0.19, 0.40, 0.62, 0.87, 1.20, 1.96};
 
     bool valid(std::size_t pixel) const { return image_.deviation[3 * pixel] >= 0; }
     bool is_rare(std::size_t pixel) const { return background_[pixel] >= 0; }
@@ -109,16 +112,26 @@ private:
             if (v == 0) continue;
             const double e = v / (squared_mean(i, m2, v) + epsilon_);
             result.variance += v / 3;
+            const double noise = std::min({v, m2 / events(pixel, 0), 0.75 * m2});
             result.error += e / 3;
+            result.least += std::min(e, v / (m2 - noise + epsilon_)) / 3;
             result.doubtful += e * std::min(v / m2, 1.0) / 3;  // v / 0 is infinite
         }
         return result;
     }
 
-    /// μ² of a value whose mean has the square m2 and the variance v.
+    /// μ² of a value whose mean has the square m2 and the variance v. v has one degree of freedom:
+    /// where it says that all is noise and the number of samples says otherwise, both m² and the
+    /// surroundings count (geometric mean).
     double squared_mean(std::size_t i, double m2, double v) const {
         constexpr double moderate = 0.75;  // of m² is noise
-        return v <= moderate * m2 ? m2 - v : std::min(m2, sqr(mean_around(i)));
+        if (v <= moderate * m2) return m2 - v;
+        const double around = std::min(m2, sqr(mean_around(i)));
+        const double count = events(i / 3, 0);
+        const double noise = std::min(v, m2 / count);
+        if (noise > moderate * m2) return around;
+        const double weight = 1 / (1 + 2 / count);  // the surroundings count as two samples
+        return std::pow(m2 - noise, weight) * std::pow(around, 1 - weight);
     }
 
     /// Mean of the same channel in the pixels around, without those whose samples reach this one.
@@ -129,23 +142,28 @@ private:
         return result.mean();
     }
 
-    /// Sets background_ where a pixel stands out by few bright samples; the rates of such samples.
-    EventRates find_rare_pixels() {
-        std::vector<double> counts;
+    /// The pixels that stand out by few bright samples. Sets background_ of them.
+    std::vector<RarePixel> find_rare_pixels() {
+        std::vector<RarePixel> result;
         for (std::size_t pixel = 0; pixel < image_.squares.size(); ++pixel) {
             if (!valid(pixel) || events(pixel, 0) >= EventRates::most_events) continue;
             if (sqr(brightness(pixel)) <= epsilon_) continue;
             const double background = outshone_background(pixel);
             if (background < 0) continue;
             background_[pixel] = background;
-            counts.push_back(std::max(events(pixel, background), 1.0));
+            const float* m = &image_.mean[3 * pixel];
+            result.push_back({.mean = {static_cast<double>(m[0]), static_cast<double>(m[1]),
+                                       static_cast<double>(m[2])},
+                              .dark = background / brightness(pixel),
+                              .events = std::max(events(pixel, background), 1.0),
+                              .group = cell(pixel)});
         }
-        return EventRates(counts);
+        return result;
     }
 
     /// The median of the luminances around if the pixel is much brighter, else −1.
     double outshone_background(std::size_t pixel) const {
-        constexpr double contrast = 16;
+        const double contrast = events(pixel, 0) < 1.5 ? 3 : 16;
         const double limit = brightness(pixel) / contrast;
         std::vector<double> darker;
         std::size_t all = 0;
@@ -160,28 +178,51 @@ private:
         return *middle;
     }
 
-    /// With 1 / (μ² + ε) averaged over the rates at which the bright samples may come.
-    PixelError rare_error(std::size_t pixel, const EventRates& rates) const {
-        const double count = std::max(events(pixel, background_[pixel]), 1.0);
-        const EventRates::Weights& weights = rates.given(count);
-        const double dark = background_[pixel] / brightness(pixel);
-        PixelError result;
-        double square = 0;  // of the error: the second moment
-        for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
-            const double v = variance(i), m = mean(i);
-            double first = 0, second = 0;
-            for (std::size_t k = 0; k < EventRates::count; ++k) {
-                const double mu = m * (dark + (1 - dark) * EventRates::rate(k) / count);
-                const double e = v / (sqr(mu) + epsilon_);
-                first += weights[k] * e;
-                second += weights[k] * sqr(e);
+    /// Number of the square of pixels that share samples with this one.
+    std::size_t cell(std::size_t pixel) const {
+        const auto side = static_cast<std::size_t>(cell_side_);
+        const auto width = static_cast<std::size_t>(image_.width);
+        return pixel % width / side + pixel / width / side * ((width + side - 1) / side);
+    }
+
+    void add_to_cell(std::size_t pixel, double error) {
+        const std::size_t i = cell(pixel);
+        if (i >= cells_.size()) cells_.resize(i + 1);
+        cells_[i] += error;
+    }
+
+    /// Of the mean of the errors: from the cells, whose errors are independent.
+    double variance_of_mean(const Moments& errors) const {
+        Moments cells;
+        for (const double sum : cells_) cells.add(sum);
+        const double per_pixel = cells.count() / errors.count();
+        return std::max(errors.variance_of_mean(), cells.variance_of_mean() * sqr(per_pixel));
+    }
+
+    /// Quantiles of the errors of usual pixels plus the draws of the others. The logarithm of the
+    /// former is taken as normal (delta method): a few pixels carry most of the error, and the
+    /// distribution of the logarithm is less skewed and stays above zero.
+    void set_interval(ErrorEstimate& result, const Moments& usual, double least,
+                      const RareErrors& rare) const {
+        const double mean = usual.mean();
+        const double spread =
+            mean > 0 ? std::min(std::sqrt(2 * variance_of_mean(usual)) / mean, widest) : 0;
+        const auto quantile = [&](const RareDraws& draws, double p, double usual_mean) {
+            std::vector<double> totals;
+            for (const double r : draws) {
+                for (const double z : normal_quantiles) {
+                    totals.push_back(usual_mean * std::exp(spread * z) + r / usual.count());
+                }
             }
-            result.variance += v / 3;
-            result.error += first / 3;
-            square += std::sqrt(second) / 3;
-        }
-        result.uncertainty = std::max(sqr(square) - sqr(result.error), 0.0);
-        return result;
+            const auto i = static_cast<std::ptrdiff_t>(p * static_cast<double>(totals.size()));
+            std::nth_element(totals.begin(), totals.begin() + i, totals.end());
+            return totals[static_cast<std::size_t>(i)];
+        };
+        result.low = quantile(rare.low, 0.025, least);
+        result.relative_mse = quantile(rare.likely, 0.5, mean);
+        result.high = quantile(rare.high, 0.975, mean);
+        const double r = std::max(result.relative_mse - mean, 0.0);
+        result.rare = r / std::max(r + mean, std::numeric_limits<double>::min());
     }
 
     /// Valid pixels whose larger distance along an axis is near … far.
@@ -203,6 +244,8 @@ private:
     /// For pixels that stand out by few bright samples, the luminance around. NaN for others.
     std::vector<double> background_;
     double epsilon_ = 0;
+    int cell_side_;              ///< [pixels]
+    std::vector<double> cells_;  ///< sums of errors
 };
 
 }  // namespace

@@ -34,17 +34,18 @@ struct NoisyImage {
 ///
 /// - Where noise is moderate, its unbiased estimate m² − v.
 /// - Where it is not, the mean of the pixels around that share no sample with this one, or m² if
-///   that is less.
+///   that is less; or, if the pixel has more effective samples than v lets expect, between both.
 /// - A pixel that stands out from its surroundings by few bright samples may hold a small lamp, so
 ///   that the surroundings say nothing about it, or the samples came by chance. All such pixels
-///   together tell how likely that is (event_rates.h); 1 / (μ² + ε) is averaged over the rates.
+///   together tell how likely that is. Their errors, and those of the pixels like them that no
+///   bright sample reached, follow from that (rare_errors.h).
 ///
 /// [low, high] is to hold the error of this very image with 95 %. It adds: by chance, v differs
 /// from the expected variance, and the squared error, as independent of v as the sum of two normal
-/// numbers is of their difference, does as much once more; what is not known of the rate of bright
-/// samples; and to `high`, what noisy μ² may hide: the part of the estimate that comes from pixels
-/// of relative variance v / m² counts 1 + 2 v / m² times. Of bright samples that are too rare to
-/// have been drawn, nothing can be known.
+/// numbers is of their difference, does as much once more; what noisy μ² may hide: the part of the
+/// estimate that comes from pixels of relative variance v / m² counts 1 + 2 v / m² times; and what
+/// is not known of bright samples: for `low`, they came as often as they usually do, for `high`,
+/// by chance. Of bright samples that are too rare to have been drawn, nothing can be known.
 struct ErrorEstimate {
     double mse = 0;
     double relative_mse = 0;

@@ -11,7 +11,6 @@ namespace lucerna {
 namespace {
 
 constexpr int iterations = 200;
-constexpr double prior_pixels = 8;
 
 /// Makes the sum one.
 void normalize(EventRates::Weights& weights) {
@@ -38,27 +37,28 @@ EventRates::Weights product(EventRates::Weights a, const EventRates::Weights& b)
 
 }  // namespace
 
-double EventRates::rate(std::size_t i) { return std::exp2(0.5 * static_cast<double>(i) - 7); }
+double EventRates::rate(std::size_t i) { return std::exp2(0.5 * static_cast<double>(i) - 11); }
 
 std::size_t EventRates::bin_of(double events) {
     const double x = std::clamp(events, 1.0, most_events);
     return static_cast<std::size_t>(std::lround((x - 1) * static_cast<double>(bins_per_event)));
 }
 
-EventRates::EventRates(std::span<const double> events) {
+EventRates::EventRates(std::span<const double> events, Prior prior_pixels, double correlation) {
     const std::size_t bins = bin_of(most_events) + 1;
     for (std::size_t bin = 0; bin < bins; ++bin) {
         const double middle = 1 + static_cast<double>(bin) / static_cast<double>(bins_per_event);
         given_.push_back(likelihood(middle));
     }
-    // As if some more pixels had been seen, most likely with rates of one or above: rates near zero
-    // are believed if the counts speak for them.
+    // Rates are most likely one or above: less is believed if the counts speak for it.
     Weights prior;
-    for (std::size_t i = 0; i < count; ++i) prior[i] = std::pow(std::min(rate(i), 1.0), 2.5);
+    for (std::size_t i = 0; i < count; ++i) {
+        prior[i] = std::pow(std::min(rate(i), 1.0), prior_pixels.power);
+    }
     normalize(prior);
-    for (double& p : prior) p *= prior_pixels;
+    for (double& p : prior) p *= prior_pixels.pixels;
     std::vector<double> pixels(bins);
-    for (const double k : events) ++pixels[bin_of(k)];
+    for (const double k : events) pixels[bin_of(k)] += 1 / correlation;
     fit(pixels, prior);
 }
 

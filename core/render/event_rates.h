@@ -20,15 +20,21 @@ namespace lucerna {
 
 class EventRates {
 public:
-    static constexpr std::size_t count = 25;
+    static constexpr std::size_t count = 33;
     using Weights = std::array<double, count>;
 
+    /// As if some more pixels had been seen, whose share falls as λ to a power below λ = 1.
+    struct Prior {
+        double power = 2.5, pixels = 8;
+    };
     /// From the numbers of events of pixels, each in [1, most_events]; they need not be integers.
-    explicit EventRates(std::span<const double> events);
+    /// `correlation`: so many pixels count as one.
+    EventRates(std::span<const double> events, Prior prior, double correlation = 1);
+    explicit EventRates(std::span<const double> events) : EventRates(events, Prior{}) {}
 
     /// More say enough by themselves.
     static constexpr double most_events = 8;
-    /// λ number i: powers of √2 from 2⁻⁷ to 2⁵.
+    /// λ number i: powers of √2 from 2⁻¹¹ to 2⁵.
     static double rate(std::size_t i);
     /// Probability of each λ for a pixel with so many events.
     const Weights& given(double events) const { return given_[bin_of(events)]; }

@@ -32,6 +32,7 @@ SCENES = {  # options, samples of the reference
     "caustics by path": ("caustics", ["--resolution", "64x40", "-D", "integrator=path"], 16384),
     "small lamps, cache": ("lamps", [], 8192),
     "small lamps, bvh": ("lamps", BVH, 8192),
+    "hot pixel": ("hot", [], 8192),
     "small lamps, box": ("lamps", ["--set", "sensor.film.rfilter=box"], 8192),
 }
 
@@ -67,12 +68,40 @@ def lamps_scene():
     return text + "</scene>\n"
 
 
+def hot_pixel_scene(picture):
+    """A sphere in a uniform environment of which one pixel is 3,000 times as bright."""
+    dark, bright = bytes([128, 128, 128, 129]), bytes([188, 188, 188, 140])  # RGBE: 1 and 3008
+    with open(picture, "wb") as file:
+        file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 128\n")
+        file.write(dark * (20 * 128 + 30) + bright + dark * (44 * 128 - 31))
+    return f"""<scene version="3.0.0">
+    <integrator type="path"/>
+    <sensor type="perspective"><float name="fov" value="60"/>
+        <transform name="to_world">
+            <lookat origin="0, 1, 5" target="0, 0, 0" up="0, 1, 0"/>
+        </transform>
+        <film type="hdrfilm"><integer name="width" value="48"/><integer name="height" value="48"/>
+        </film>
+    </sensor>
+    <emitter type="envmap"><string name="filename" value="{picture}"/></emitter>
+    <shape type="sphere"/>
+    <shape type="rectangle">
+        <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/>
+        <translate y="-1"/></transform>
+    </shape>
+</scene>
+"""
+
+
 class Runs:
     def __init__(self, program, folder):
         self.program, self.folder = program, folder
         self.lamps = os.path.join(folder, "lamps.xml")
         with open(self.lamps, "w", encoding="utf-8") as file:
             file.write(lamps_scene())
+        self.hot = os.path.join(folder, "hot.xml")
+        with open(self.hot, "w", encoding="utf-8") as file:
+            file.write(hot_pixel_scene(os.path.join(folder, "hot.hdr")))
 
     def call(self, *arguments):
         result = subprocess.run([self.program, *arguments, "--json"], check=True, text=True,
@@ -82,7 +111,8 @@ class Runs:
     def render(self, scene, name, *arguments):
         """The figures of a render, and its picture."""
         folder, options, _ = SCENES[scene]
-        path = self.lamps if folder == "lamps" else f"{ROOT}/scenes/{folder}/scene.xml"
+        made = {"lamps": self.lamps, "hot": self.hot}
+        path = made.get(folder, f"{ROOT}/scenes/{folder}/scene.xml")
         output = os.path.join(self.folder, name)
         figures = self.call("render", path, "-q", "-o", output, *options, *arguments, "--set",
                             "sensor.film.component_format=float32")["figures"]

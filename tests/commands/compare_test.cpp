@@ -425,6 +425,50 @@ TEST(ComparisonStatistics, RatioIntervalsCover) {
     EXPECT_NEAR(double(covered) / trials, 0.955, 0.015);
 }
 
+/// relMSE of a picture of which about one pixel is a firefly, and the share of the worst pixel.
+std::pair<double, double> firefly_error(std::mt19937_64& random, double rate) {
+    std::poisson_distribution<int> count(rate);
+    std::exponential_distribution<double> usual;
+    const double background = 1 + 0.02 * usual(random);
+    double sum = 0, largest = 0;
+    for (int n = count(random); n > 0; --n) {
+        const double error = 40 * usual(random);
+        sum += error;
+        largest = std::max(largest, error);
+    }
+    return {background + sum, largest / (background + sum)};
+}
+
+/// A tail that few repeats show: Student's interval alone would be too narrow. (At a rate of one,
+/// 5 % of the trials meet no firefly at all.)
+TEST(ComparisonStatistics, IntervalsOfHeavyTailsCover) {
+    for (const double rate : {1.0, 2.0, 4.0}) {
+        std::mt19937_64 random(5);
+        double center = 0;
+        constexpr int population = 200000, trials = 2000;
+        for (int i = 0; i < population; ++i) {
+            center += std::log(firefly_error(random, rate).first) / population;
+        }
+        int covered = 0, student = 0;
+        for (int trial = 0; trial < trials; ++trial) {
+            std::vector<double> errors;
+            double share = 0;
+            for (int i = 0; i < 3; ++i) {
+                const auto [error, part] = firefly_error(random, rate);
+                errors.push_back(error);
+                share = std::max(share, part);
+            }
+            const Interval narrow = geometric_mean(errors);
+            const Interval wide = widened_for_tail(narrow, share);
+            student += narrow.low < std::exp(center) && std::exp(center) < narrow.high;
+            covered += wide.low < std::exp(center) && std::exp(center) < wide.high;
+            EXPECT_EQ(wide.value, narrow.value);
+        }
+        EXPECT_GT(covered, trials * 85 / 100) << rate;
+        EXPECT_GT(covered, student) << rate;
+    }
+}
+
 Image noisy_image(std::mt19937_64& random, double bias) {
     std::normal_distribution<float> normal(0, 0.3f);
     Image image(64, 64);

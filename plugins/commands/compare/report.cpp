@@ -170,7 +170,7 @@ std::vector<std::string> warnings(const ComparisonResult& result, const Summary&
         if (f.trimmed_share > 0.1) {
             lines.push_back(
                 fmt::format("{}: the worst 0.1 % of the pixels hold {:.0f} % of the "
-                            "error; intervals of so heavy a tail are too narrow",
+                            "error; intervals are wider for it, and rarer pixels may be missing",
                             name, 100 * f.trimmed_share));
         }
         if (f.dropped_samples > 0) {

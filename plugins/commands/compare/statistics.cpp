@@ -74,6 +74,12 @@ Interval paired_ratio(std::span<const double> above, std::span<const double> bel
     return geometric_mean(ratios);
 }
 
+Interval widened_for_tail(Interval interval, double share) {
+    constexpr double largest = 0.999;  // so that ends stay finite
+    const double rest = 1 - std::clamp(share, 0.0, largest);
+    return {interval.value, interval.low * rest, interval.high / rest};
+}
+
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
     std::sort(values.begin(), values.end());

@@ -45,6 +45,11 @@ Interval ratio_of_means(std::span<const double> above, std::span<const double> b
 /// Student's, of the logarithms.
 Interval paired_ratio(std::span<const double> above, std::span<const double> below);
 
+/// The interval of a mean square of which a few pixels hold the part `share`. By chance the next
+/// repeat may lack them, or hold as much again: the ends go further apart by the factor
+/// 1 / (1 − share) each, so that what few repeats did not meet is allowed for.
+Interval widened_for_tail(Interval interval, double share);
+
 double median(std::vector<double> values);
 
 }  // namespace lucerna

@@ -318,5 +318,33 @@ TEST(FilmState, J8_errors_of_small_lamps_are_known) {
     EXPECT_GE(covered, 34);
 }
 
+/// One sample in `rarity` is 300 times as bright as the rest: most pixels have none of them, some
+/// have one. Nothing tells the rate, so that the interval must be wide, and must hold the error.
+TEST(FilmState, J8_rare_bright_samples_make_the_interval_wide) {
+    constexpr int side = 48, samples = 32, films = 40;
+    for (const float rarity : {2000.0f, 20000.0f}) {
+        const double mu = 1 + 300 / double(rarity);
+        int covered = 0, vague = 0;
+        for (std::uint64_t f = 0; f < films; ++f) {
+            FilmState film(square_layout(side));
+            Rng rng(10, f);
+            double error = 0;
+            for (std::size_t i = 0; i < film.pixel_count(); ++i) {
+                for (int k = 0; k < samples; ++k) {
+                    const float usual = 0.5f + rng.next_float(), u = rng.next_float();
+                    add_sample(film, i, grey_sample(usual + (u * rarity < 1 ? 300.0f : 0.0f)));
+                }
+                error += sqr(film.mean(i, 0) - mu) / (1.01 * sqr(mu));
+            }
+            error /= sqr(side);
+            const ErrorEstimate estimate = *film.error();
+            covered += estimate.low <= error && error <= estimate.high;
+            vague += estimate.vague();
+        }
+        EXPECT_GE(covered, 34) << rarity;
+        EXPECT_GE(vague, 34) << rarity;
+    }
+}
+
 }  // namespace
 }  // namespace lucerna
