@@ -20,13 +20,6 @@ double visibility(const RayStatistics& rays) {
     return 1 - static_cast<double>(rays.blocked) / static_cast<double>(rays.occlusions);
 }
 
-/// The largest share of the error in the worst 0.1 % of the pixels of a run.
-double largest_share(const VariantRuns& variant) {
-    double share = 0;
-    for (const Run& run : variant.runs) share = std::max(share, run.metrics.trimmed_share);
-    return share;
-}
-
 template <typename Value>
 std::vector<double> values(const VariantRuns& variant, const Value& value) {
     std::vector<double> result;
@@ -46,7 +39,7 @@ Summary::Summary(const ComparisonResult& result) : reference_(result.reference) 
     const std::vector<double> variances =
         block_variances(reference_.halves, reference.means().size());
     for (const VariantRuns& variant : result.variants) {
-        all.push_back(figures(variant, result.variants.front(), result.by_parts));
+        all.push_back(figures(variant, result.variants.front()));
         all.back().bias = test_bias(variant.blocks, reference, variances);
     }
 }
@@ -73,33 +66,24 @@ double Summary::relmse(const Metrics& m) const {
 
 double Summary::mse(const Metrics& m) const { return without_reference(m.mse, mse_noise()); }
 
-Figures Summary::figures(const VariantRuns& variant, const VariantRuns& first, bool paired) const {
+Figures Summary::figures(const VariantRuns& variant, const VariantRuns& first) const {
     const auto over_runs = [&](const auto& value) {
         return geometric_mean(values(variant, value));
     };
     const auto over_first = [&](const auto& value) {
         if (&variant == &first) return Interval{1, 1, 1};
-        const std::vector<double> above = values(variant, value), below = values(first, value);
-        // Runs of one round are of one machine; those of others may be of faster ones.
-        return paired ? paired_ratio(above, below) : ratio_of_means(above, below);
-    };
-    const double tail = largest_share(variant);
-    const double tails = 1 - (1 - tail) * (1 - largest_share(first));
-    const auto of_error = [&](const auto& value) {
-        return widened_for_tail(over_runs(value), tail);
-    };
-    const auto of_efficiency = [&](const auto& value) {
-        return &variant == &first ? over_first(value) : widened_for_tail(over_first(value), tails);
+        // Runs of one round are of one machine at one time; those of others may be of faster ones.
+        return paired_ratio(values(variant, value), values(first, value));
     };
     Figures f;
-    f.mse = of_error([&](const Run& run) { return mse(run.metrics); });
-    f.relmse = of_error([&](const Run& run) { return relmse(run.metrics); });
+    f.mse = over_runs([&](const Run& run) { return mse(run.metrics); });
+    f.relmse = over_runs([&](const Run& run) { return relmse(run.metrics); });
     f.trimmed_relmse = over_runs([](const Run& run) { return run.metrics.trimmed_relmse; });
     f.flip = over_runs([](const Run& run) { return run.flip; });
-    f.efficiency = of_efficiency(
-        [&](const Run& run) { return 1 / (relmse(run.metrics) * run.total_seconds()); });
-    f.render_efficiency = of_efficiency(
-        [&](const Run& run) { return 1 / (relmse(run.metrics) * run.render_seconds); });
+    f.efficiency =
+        over_first([&](const Run& run) { return 1 / (relmse(run.metrics) * run.total_seconds()); });
+    f.render_efficiency =
+        over_first([&](const Run& run) { return 1 / (relmse(run.metrics) * run.render_seconds); });
     f.build_seconds = median_of(variant, [](const Run& r) { return r.figures.build_seconds; });
     f.render_seconds = median_of(variant, [](const Run& r) { return r.render_seconds; });
     f.samples = median_of(variant, [](const Run& r) { return r.figures.samples; });

@@ -92,7 +92,7 @@ public:
     double mse_noise() const { return reference_.error ? reference_.error->mse : 0; }
 
 private:
-    Figures figures(const VariantRuns& variant, const VariantRuns& first, bool paired) const;
+    Figures figures(const VariantRuns& variant, const VariantRuns& first) const;
 
     const Reference& reference_;
 };

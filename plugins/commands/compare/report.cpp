@@ -170,7 +170,7 @@ std::vector<std::string> warnings(const ComparisonResult& result, const Summary&
         if (f.trimmed_share > 0.1) {
             lines.push_back(
                 fmt::format("{}: the worst 0.1 % of the pixels hold {:.0f} % of the "
-                            "error; intervals are wider for it, and rarer pixels may be missing",
+                            "error; intervals hold the median run, and another run can be far worse",
                             name, 100 * f.trimmed_share));
         }
         if (f.dropped_samples > 0) {
@@ -193,6 +193,7 @@ Json to_json(const ComparisonResult& result, const Summary& summary) {
     const auto degrees = static_cast<double>(result.variants.front().runs.size()) - 1;
     json.set("by_parts", result.by_parts).set("rounds", rounds_json(result));
     json.set("student_t", student_quantile(0.95, degrees));
+    json.set("median_rank", median_rank(result.variants.front().runs.size()));
     json.set("width", picture.width).set("height", picture.height);
     json.set("epsilon", compare_images(picture, picture).epsilon);
     json.set("reference", reference_json(result.reference));

@@ -48,36 +48,33 @@ std::vector<double> logarithms(std::span<const double> values) {
     return result;
 }
 
-Interval from_logarithm(double center, double margin) {
-    return {std::exp(center), std::exp(center - margin), std::exp(center + margin)};
+std::size_t median_rank(std::size_t n) {
+    // P(fewer than k of n values lie below the median): binomial.
+    double term = std::pow(0.5, static_cast<double>(n)), below = 0;
+    std::size_t k = 0;
+    for (; k < n / 2; ++k) {
+        below += term;
+        if (2 * below > 0.08) break;
+        term *= static_cast<double>(n - k) / static_cast<double>(k + 1);
+    }
+    return std::max<std::size_t>(k, 1);
 }
 
 Interval geometric_mean(std::span<const double> values) {
-    const Mean mean = mean_of(logarithms(values));
-    const double t = student_quantile(0.95, mean.degrees);
-    return from_logarithm(mean.value, t * std::sqrt(mean.variance));
-}
-
-Interval ratio_of_means(std::span<const double> above, std::span<const double> below) {
-    const Mean a = mean_of(logarithms(above)), b = mean_of(logarithms(below));
-    const double variance = a.variance + b.variance;
-    const double shares = a.variance * a.variance / std::max(a.degrees, 1.0) +
-                          b.variance * b.variance / std::max(b.degrees, 1.0);
-    const double degrees = shares > 0 ? variance * variance / shares : a.degrees + b.degrees;
-    const double t = student_quantile(0.95, degrees);
-    return from_logarithm(a.value - b.value, t * std::sqrt(variance));
+    std::vector<double> logs = logarithms(values);
+    const Mean mean = mean_of(logs);
+    const double margin = student_quantile(0.95, mean.degrees) * std::sqrt(mean.variance);
+    const std::size_t rank = median_rank(logs.size());
+    std::sort(logs.begin(), logs.end());
+    return {.value = std::exp(mean.value),
+            .low = std::exp(std::min(mean.value - margin, logs[rank - 1])),
+            .high = std::exp(std::max(mean.value + margin, logs[logs.size() - rank]))};
 }
 
 Interval paired_ratio(std::span<const double> above, std::span<const double> below) {
     std::vector<double> ratios;
     for (std::size_t i = 0; i < above.size(); ++i) ratios.push_back(above[i] / below[i]);
     return geometric_mean(ratios);
-}
-
-Interval widened_for_tail(Interval interval, double share) {
-    constexpr double largest = 0.999;  // so that ends stay finite
-    const double rest = 1 - std::clamp(share, 0.0, largest);
-    return {interval.value, interval.low * rest, interval.high / rest};
 }
 
 double median(std::vector<double> values) {

@@ -2,6 +2,7 @@
 /// Means, ratios and their intervals over a few independent repeats.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -32,23 +33,20 @@ Mean mean_of(std::span<const double> values);
 /// Zero, the error of equal pictures, counts as the smallest number that a picture can show.
 std::vector<double> logarithms(std::span<const double> values);
 
-Interval from_logarithm(double center, double margin);
+/// How many of the smallest and of the largest of n independent values leave the median between
+/// them with about 95 %, whatever the distribution: the largest k with P ≥ 92 %, which together
+/// with Student's interval makes 95 % (H. A. David, "Order Statistics" (1981), 2.5). 1 if n < 5,
+/// although P is less.
+std::size_t median_rank(std::size_t n);
 
-/// Geometric mean of positive values with its 95 % interval: Student's, of the logarithms.
+/// Geometric mean of positive values, such as errors of repeats, and a 95 % interval for their
+/// median: Student's, of the logarithms, and as far as the values of rank median_rank. The former
+/// is right for few repeats of usual noise, where mean and median of the logarithms are the same;
+/// the latter is for heavy tails, of which a mean says nothing.
 Interval geometric_mean(std::span<const double> values);
 
-/// Ratio of two geometric means with its 95 % interval: B. L. Welch, "The generalization of
-/// 'Student's' problem", Biometrika 34 (1947), of the logarithms.
-Interval ratio_of_means(std::span<const double> above, std::span<const double> below);
-
-/// Geometric mean of the ratios of pairs, such as runs on one machine, with its 95 % interval:
-/// Student's, of the logarithms.
+/// The same of the ratios of pairs: runs of one round, which one machine did one after the other.
 Interval paired_ratio(std::span<const double> above, std::span<const double> below);
-
-/// The interval of a mean square of which a few pixels hold the part `share`. By chance the next
-/// repeat may lack them, or hold as much again: the ends go further apart by the factor
-/// 1 / (1 − share) each, so that what few repeats did not meet is allowed for.
-Interval widened_for_tail(Interval interval, double share);
 
 double median(std::vector<double> values);
 

@@ -76,7 +76,8 @@ function writeHeader() {
     element("warnings").hidden = report.warnings.length === 0;
 }
 
-// Geometric mean and interval of the runs' errors at a common place, between their measurements.
+// The runs' errors at a common place, between their measurements: geometric mean, and the interval of
+// the median as in statistics.h.
 function interpolate(points, x) {
     if (points.length === 1) return points[0][1];
     const next = points.findIndex((p) => p[0] >= x);
@@ -101,7 +102,11 @@ function aggregate(variant, metric, axis) {
         const squares = logs.reduce((a, b) => a + (b - mean) ** 2, 0);
         const margin = logs.length < 2 ? 0 :
             report.student_t * Math.sqrt(squares / (logs.length - 1) / logs.length);
-        return {x: Math.exp(x), y: Math.exp(mean), low: Math.exp(mean - margin), high: Math.exp(mean + margin)};
+        logs.sort((a, b) => a - b);
+        const rank = Math.min(report.median_rank, logs.length);
+        return {x: Math.exp(x), y: Math.exp(mean),
+                low: Math.exp(Math.min(mean - margin, logs[rank - 1])),
+                high: Math.exp(Math.max(mean + margin, logs[logs.length - rank]))};
     });
     return {line, dots: runs.flat().map(([x, y]) => ({x: Math.exp(x), y: Math.exp(y)}))};
 }
