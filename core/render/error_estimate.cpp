@@ -6,7 +6,6 @@
 #include "core/render/rare_errors.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -55,34 +54,35 @@ public:
         epsilon_ = std::max(0.01 * sqr(result.image_mean), std::numeric_limits<double>::min());
         const std::vector<RarePixel> rare = find_rare_pixels();
         Moments variances, errors;
-        double doubtful = 0, least = 0;
+        PixelError sum;
         for (std::size_t pixel = 0; pixel < pixels_; ++pixel) {
             if (!valid(pixel)) continue;
-            const PixelError p = usual_error(pixel);
+            PixelError p = usual_error(pixel);
             variances.add(p.variance);
-            errors.add(is_rare(pixel) ? 0 : p.error);
-            add_to_cell(pixel, is_rare(pixel) ? 0 : p.error);
-            if (is_rare(pixel)) continue;
-            doubtful += p.doubtful;
-            least += p.least;
+            if (is_rare(pixel)) p = {};
+            errors.add(p.error);
+            add_to_cell(pixel, p.error);
+            sum.doubtful += p.doubtful;
+            sum.least += p.least;
         }
         result.mse = variances.mean();
         if (!(result.mse > 0)) return result;
-        set_interval(result, errors, least / errors.count(),
-                     draw_rare_errors(rare, epsilon_, image_.correlation));
-        doubtful /= errors.count();
-        result.high += 2 * doubtful;
-        result.rare = std::min(result.rare + doubtful / result.relative_mse, 1.0);
+        const double n = errors.count();
+        const double spread = usual_spread(errors);
+        const RareErrors of_rare = rare_errors(rare, epsilon_, image_.correlation);
+        const double rare_spread = spread_of(
+            rare.empty() ? 0 : std::sqrt(image_.correlation / static_cast<double>(rare.size())));
+        result.relative_mse = errors.mean() + of_rare.likely / n;
+        result.low = (sum.least / spread + of_rare.low / rare_spread) / n;
+        result.unseen = unseen_error(result.image_mean);
+        result.high =
+            (errors.mean() * n * spread + 2 * sum.doubtful + of_rare.high * rare_spread) / n +
+            result.unseen;
+        result.rare = std::min((of_rare.likely + sum.doubtful) / n / result.relative_mse, 1.0);
         return result;
     }
 
 private:
-    static constexpr double widest = 25;  ///< so that `high` stays finite
-    /// Of the normal distribution, in the middles of thirteen equal parts; the outermost are those
-    /// of 95 %.
-    static constexpr std::array<double, 13> normal_quantiles = {
-        -1.96, -1.20, -0.87, -0.62, -0.40, -0.19, 0, 0.19, 0.40, 0.62, 0.87, 1.20, 1.96};
-
     bool valid(std::size_t pixel) const { return image_.deviation[3 * pixel] >= 0; }
     bool is_rare(std::size_t pixel) const { return background_[pixel] >= 0; }
     double mean(std::size_t i) const { return static_cast<double>(image_.mean[i]); }
@@ -155,8 +155,7 @@ private:
             result.push_back({.mean = {static_cast<double>(m[0]), static_cast<double>(m[1]),
                                        static_cast<double>(m[2])},
                               .dark = background / brightness(pixel),
-                              .events = std::max(events(pixel, background), 1.0),
-                              .group = cell(pixel)});
+                              .events = std::max(events(pixel, background), 1.0)});
         }
         return result;
     }
@@ -191,38 +190,31 @@ private:
         cells_[i] += error;
     }
 
-    /// Of the mean of the errors: from the cells, whose errors are independent.
-    double variance_of_mean(const Moments& errors) const {
-        Moments cells;
-        for (const double sum : cells_) cells.add(sum);
-        const double per_pixel = cells.count() / errors.count();
-        return std::max(errors.variance_of_mean(), cells.variance_of_mean() * sqr(per_pixel));
+    /// The factor up and down that holds a sum of squared errors of this relative deviation. Its
+    /// logarithm is taken as normal (delta method): a few pixels carry most of the error, and the
+    /// distribution of the logarithm is less skewed and stays above zero.
+    static double spread_of(double deviation) {
+        constexpr double widest = 25;  // so that it stays finite
+        return std::exp(std::min(1.96 * std::sqrt(2.0) * deviation, widest));
     }
 
-    /// Quantiles of the errors of usual pixels plus the draws of the others. The logarithm of the
-    /// former is taken as normal (delta method): a few pixels carry most of the error, and the
-    /// distribution of the logarithm is less skewed and stays above zero.
-    void set_interval(ErrorEstimate& result, const Moments& usual, double least,
-                      const RareErrors& rare) const {
-        const double mean = usual.mean();
-        const double spread =
-            mean > 0 ? std::min(std::sqrt(2 * variance_of_mean(usual)) / mean, widest) : 0;
-        const auto quantile = [&](const RareDraws& draws, double p, double usual_mean) {
-            std::vector<double> totals;
-            for (const double r : draws) {
-                for (const double z : normal_quantiles) {
-                    totals.push_back(usual_mean * std::exp(spread * z) + r / usual.count());
-                }
-            }
-            const auto i = static_cast<std::ptrdiff_t>(p * static_cast<double>(totals.size()));
-            std::nth_element(totals.begin(), totals.begin() + i, totals.end());
-            return totals[static_cast<std::size_t>(i)];
-        };
-        result.low = quantile(rare.low, 0.025, least);
-        result.relative_mse = quantile(rare.likely, 0.5, mean);
-        result.high = quantile(rare.high, 0.975, mean);
-        const double r = std::max(result.relative_mse - mean, 0.0);
-        result.rare = r / std::max(r + mean, std::numeric_limits<double>::min());
+    /// From the pixels, or from the cells, whose errors are independent.
+    double usual_spread(const Moments& errors) const {
+        if (!(errors.mean() > 0)) return 1;
+        Moments cells;
+        for (const double sum : cells_) cells.add(sum);
+        const double relative = std::max(errors.variance_of_mean() / sqr(errors.mean()),
+                                         cells.variance_of_mean() / sqr(cells.mean()));
+        return spread_of(std::sqrt(relative));
+    }
+
+    /// Of light that no sample may have met. What none of N samples met comes with a probability of
+    /// at most 3 / N (with 95 %: Hanley and Lippman-Hand 1983), so that light of luminance L adds
+    /// at most E = 3 L / N to the mean m. A part f of the pixels that lacks it all has the error
+    /// (E / f)² / (m + E / f)²; times f, that is E / 4m at most.
+    double unseen_error(double image_mean) const {
+        if (!(image_.chance_luminance > 0 && image_mean > 0)) return 0;
+        return 3 * image_.chance_luminance / image_.samples / image_mean / 4;
     }
 
     /// Valid pixels whose larger distance along an axis is near … far.

@@ -22,6 +22,8 @@ struct NoisyImage {
     /// Σ ρ² over all pixels around, where ρ is the correlation of their noise with a pixel's: 1 if
     /// pixels are independent. Their squared errors are correlated by ρ².
     double correlation = 1;
+    double samples = 1;           ///< of all pixels together
+    double chance_luminance = 0;  ///< chance_light.h
 };
 
 /// Estimates of the squared error, over pixels and the channels R, G, B:
@@ -43,9 +45,10 @@ struct NoisyImage {
 /// [low, high] is to hold the error of this very image with 95 %. It adds: by chance, v differs
 /// from the expected variance, and the squared error, as independent of v as the sum of two normal
 /// numbers is of their difference, does as much once more; what noisy μ² may hide: the part of the
-/// estimate that comes from pixels of relative variance v / m² counts 1 + 2 v / m² times; and what
-/// is not known of bright samples: for `low`, they came as often as they usually do, for `high`,
-/// by chance. Of bright samples that are too rare to have been drawn, nothing can be known.
+/// estimate that comes from pixels of relative variance v / m² counts 1 + 2 v / m² times; what is
+/// not known of bright samples: for `low`, they came as often as they usually do, for `high`, by
+/// chance, unless there are too many; and light that comes by way of mirrors or glass, of which
+/// there may be no sample. Other bright samples that are too rare to have been drawn are missing.
 struct ErrorEstimate {
     double mse = 0;
     double relative_mse = 0;
@@ -54,9 +57,13 @@ struct ErrorEstimate {
     double image_mean = 0;  ///< ⟨m⟩
     /// Part of relative_mse in pixels whose value comes from few bright samples.
     double rare = 0;
+    /// Part of `high`: light by way of mirrors or glass that no sample may have met.
+    double unseen = 0;
 
     /// The error is known to an order of magnitude at most.
     bool vague() const { return high > 6 * low; }
+    /// The error is at most this with 97.5 %, but for half as much again.
+    bool surely_below(double error) const { return high <= 1.5 * error; }
 
     /// Variance of the image over the square of its mean.
     double relative_variance() const { return mse / (image_mean * image_mean); }

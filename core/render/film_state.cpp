@@ -228,7 +228,9 @@ std::optional<ErrorEstimate> FilmState::error() const {
     NoisyImage image = {.width = layout_.crop.size.x,
                         .height = layout_.crop.size.y,
                         .reach = layout_.reach + layout_.block - 1,
-                        .correlation = layout_.noise_correlation};
+                        .correlation = layout_.noise_correlation,
+                        .samples = std::accumulate(counts_.begin(), counts_.end(), 0.0),
+                        .chance_luminance = layout_.chance_luminance};
     image.mean.resize(3 * pixel_count());
     image.squares.resize(pixel_count());
     image.deviation.resize(3 * pixel_count(), std::numeric_limits<float>::quiet_NaN());

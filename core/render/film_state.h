@@ -34,6 +34,7 @@ struct FilmLayout {
     int reach = 0;                    ///< ReconstructionFilter::reach()
     double negative_weight = 0;       ///< ReconstructionFilter::negative_weight()
     double noise_correlation = 1;     ///< ReconstructionFilter::noise_correlation()
+    double chance_luminance = 0;      ///< chance_light.h
 
     /// The pixels that take samples: the crop window and the margin, rounded up to whole blocks,
     /// inside of the whole image.

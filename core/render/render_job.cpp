@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/math/sequences.h"
+#include "core/render/chance_light.h"
 #include "core/scene/ray_statistics.h"
 
 #include <algorithm>
@@ -51,7 +52,8 @@ FilmLayout film_layout(const Scene& scene) {
             .reach = filter.reach(),
             .negative_weight = filter.negative_weight(),
             // Pixels of a block may all have the same noise.
-            .noise_correlation = filter.noise_correlation() + block * block - 1};
+            .noise_correlation = filter.noise_correlation() + block * block - 1,
+            .chance_luminance = chance_luminance(scene)};
 }
 
 RenderJob::RenderJob(const Scene& scene, RenderOptions options, FilmState film)

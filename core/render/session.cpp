@@ -51,6 +51,7 @@ RenderResult Session::render(RenderOptions options, std::optional<RenderState> f
     }
     if (options.threads == 0) options.threads = workers_.count();
     const std::uint64_t seed = options.seed;
+    const std::optional<double> error_asked = budget.error;
     const double earlier_seconds = from ? from->seconds : 0;
     const RayStatistics rays_before = ray_statistics();
     const Clock::time_point start = Clock::now();
@@ -69,6 +70,7 @@ RenderResult Session::render(RenderOptions options, std::optional<RenderState> f
     figures.earlier_seconds = earlier_seconds;
     figures.rays = difference(ray_statistics(), rays_before);
     describe_film(film, figures);
+    figures.error_asked = error_asked;
     figures.peak_memory = peak_memory();
     figures.accelerator_bytes = scene_->accelerator_bytes();
     figures.threads = job.workers().count();

@@ -24,7 +24,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the order of bytes in a state file");
 
-constexpr int state_format = 5;
+constexpr int state_format = 6;
 constexpr int rows_of_band = 16;
 constexpr std::size_t alpha_channel = 3;
 
@@ -272,6 +272,7 @@ void write_layout(const FilmLayout& layout, Metadata& metadata) {
     metadata["lucerna:filter_reach"] = layout.reach;
     metadata["lucerna:negative_weight"] = layout.negative_weight;
     metadata["lucerna:noise_correlation"] = layout.noise_correlation;
+    metadata["lucerna:chance_luminance"] = layout.chance_luminance;
 }
 
 std::vector<std::string> split(const std::string& text) {
@@ -297,7 +298,8 @@ FilmLayout read_layout(const MetadataReader& reader, const ImageFile& file) {
         .block = reader.value<int>("lucerna:block"),
         .reach = reader.value<int>("lucerna:filter_reach"),
         .negative_weight = reader.value<double>("lucerna:negative_weight"),
-        .noise_correlation = reader.value<double>("lucerna:noise_correlation")};
+        .noise_correlation = reader.value<double>("lucerna:noise_correlation"),
+        .chance_luminance = reader.value<double>("lucerna:chance_luminance")};
     if (layout.block < 1 || layout.block > 16) reader.fail();
     const auto inside = [](Vector2i begin, Vector2i size, Vector2i full) {
         return begin.x >= 0 && begin.y >= 0 && size.x > 0 && size.y > 0 &&

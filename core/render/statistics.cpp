@@ -27,9 +27,18 @@ Json to_json(const std::optional<ErrorEstimate>& error) {
     Json json = Json::object();
     json.set("relative_mse", error->relative_mse);
     json.set("relative_mse_low", error->low).set("relative_mse_high", error->high);
-    json.set("relative_mse_rare", error->rare);
+    json.set("relative_mse_rare", error->rare).set("relative_mse_unseen", error->unseen);
     json.set("mse", error->mse).set("image_mean", error->image_mean);
     return json;
+}
+
+/// Why an interval is wide.
+std::string reason(const ErrorEstimate& error) {
+    if (error.unseen > error.high / 2) {
+        return "light by way of mirrors or glass is met by chance, and may be missing";
+    }
+    return fmt::format("{:.0f} % of it is in pixels that few bright samples have reached",
+                       100 * error.rare);
 }
 
 }  // namespace
@@ -72,10 +81,7 @@ std::string error_text(const RenderFigures& figures) {
     const std::string text = fmt::format("; relMSE {:.3g} (95 %: {:.3g} to {:.3g}",
                                          error.relative_mse, error.low, error.high);
     if (!error.vague()) return text + ")";
-    return text + fmt::format(
-                      "; not known better, since {:.0f} % of it is in pixels that few "
-                      "bright samples have reached)",
-                      100 * error.rare);
+    return text + "; not known better, since " + reason(error) + ")";
 }
 
 std::string figures_warnings(const RenderFigures& figures) {
@@ -89,6 +95,15 @@ std::string figures_warnings(const RenderFigures& figures) {
     if (figures.empty_pixels > 0) {
         text +=
             fmt::format("warning: {} pixels have no sample and are black\n", figures.empty_pixels);
+    }
+    if (figures.error_asked && figures.error && figures.error->relative_mse > 0 &&
+        figures.error->relative_mse <= *figures.error_asked &&
+        !figures.error->surely_below(*figures.error_asked)) {
+        text += fmt::format(
+            "warning: the error seems to be below {:.3g}, as asked for, but cannot be known: with "
+            "95 % it is between {:.3g} and {:.3g}{}\n",
+            *figures.error_asked, figures.error->low, figures.error->high,
+            figures.error->vague() ? ", since " + reason(*figures.error) : "");
     }
     if (figures.rays.dropped > 0) {
         text += fmt::format("warning: {} rays were not finite and were not traced\n",

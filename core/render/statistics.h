@@ -24,6 +24,7 @@ struct RenderFigures {
     std::uint64_t samples = 0;   ///< per pixel, of all runs
     RayStatistics rays;          ///< of this run
     std::optional<ErrorEstimate> error;
+    std::optional<double> error_asked;  ///< RenderBudget::error
     std::uint64_t dropped_samples = 0;  ///< not finite
     std::string first_dropped_pixel;    ///< "x, y", or empty
     std::uint64_t empty_pixels = 0;

@@ -6,8 +6,8 @@
 
 Renders small pictures with many seeds, takes their relMSE against a long render, and compares it
 with what each render said of itself: the ratio estimate : truth (median, and the middle 80 %), and
-how many of the 95 % intervals hold the truth. Prints a table; with --error,
-renders end by themselves at that error.
+how many of the 95 % intervals hold the truth. Prints a table; with --error, renders end by
+themselves at that error, and the table also tells how many of them were right about it.
 """
 import argparse
 import json
@@ -19,6 +19,8 @@ import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BVH = ["--set", "integrator.light_sampler=bvh"]
+ENDS = {"near": "within × 1.5 of what was asked", "better": "better", "warned": "worse, and warned",
+        "wrong": "worse, and not warned"}
 SCENES = {  # options, samples of the reference
     "cornell-box": ("cornell-box", ["--resolution", "64x64"], 8192),
     "first": ("first", ["--resolution", "64x40"], 16384),
@@ -126,11 +128,12 @@ def percentile(values, p):
     return sorted(values)[min(int(p * len(values)), len(values) - 1)]
 
 
-def row(runs, scene, seeds, limit):
-    """Truth, estimate and coverage of a scene; `limit` are the options that end a render."""
+def row(runs, scene, seeds, asked, limit):
+    """Truth, estimate and coverage of a scene; `limit` are the options that end a render, which
+    may be that the error is the one asked for."""
     _, reference = runs.render(scene, "reference", "--seed", "1000000", "--spp",
                                str(SCENES[scene][2]))
-    truths, ratios, held, widths = [], [], 0, []
+    truths, ratios, held, widths, ends = [], [], 0, [], []
     for seed in range(1, seeds + 1):
         figures, picture = runs.render(scene, "picture", "--seed", str(seed), *limit)
         error, truth = figures["error"], runs.truth(picture, reference)
@@ -139,9 +142,16 @@ def row(runs, scene, seeds, limit):
         ratios.append(error["relative_mse"] / truth)
         widths.append(high / low)
         held += low <= truth <= high
-    return (f"| {scene} | {statistics.median(truths):.3g} | {statistics.median(ratios):.2f} "
-            f"({percentile(ratios, 0.1):.2f} to {percentile(ratios, 0.9):.2f}) "
-            f"| {held} of {seeds} | {statistics.median(widths):.3g} |")
+        if asked:
+            ends.append("better" if truth < asked / 1.5 else "near" if truth <= 1.5 * asked else
+                        "warned" if high > 1.5 * asked else "wrong")
+    cells = [scene, f"{statistics.median(truths):.3g}",
+             f"{statistics.median(ratios):.2f} ({percentile(ratios, 0.1):.2f} to "
+             f"{percentile(ratios, 0.9):.2f})",
+             f"{held} of {seeds}", f"{statistics.median(widths):.3g}"]
+    if asked:
+        cells += [str(ends.count(end)) for end in ENDS]
+    return f"| {' | '.join(cells)} |"
 
 
 def main():
@@ -155,12 +165,16 @@ def main():
     limit = ["--spp", str(arguments.spp)]
     if arguments.error:
         limit = ["--error", str(arguments.error), "--spp", "65536"]
-    print("| scene | true relMSE | estimate : truth (80 %) | intervals that hold it | high : low |")
-    print("| --- | --- | --- | --- | --- |")
+    titles = ["scene", "true relMSE", "estimate : truth (80 %)", "intervals that hold it",
+              "high : low"]
+    if arguments.error:
+        titles += ENDS.values()
+    print(f"| {' | '.join(titles)} |")
+    print("|" + " --- |" * len(titles))
     with tempfile.TemporaryDirectory() as folder:
         runs = Runs(arguments.lucerna, folder)
         for scene in arguments.scenes or SCENES:
-            print(row(runs, scene, arguments.seeds, limit), flush=True)
+            print(row(runs, scene, arguments.seeds, arguments.error, limit), flush=True)
 
 
 if __name__ == "__main__":

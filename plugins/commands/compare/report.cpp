@@ -168,10 +168,10 @@ std::vector<std::string> warnings(const ComparisonResult& result, const Summary&
                             "--reference-spp");
         }
         if (f.trimmed_share > 0.1) {
-            lines.push_back(
-                fmt::format("{}: the worst 0.1 % of the pixels hold {:.0f} % of the "
-                            "error; intervals hold the median run, and another run can be far worse",
-                            name, 100 * f.trimmed_share));
+            lines.push_back(fmt::format(
+                "{}: the worst 0.1 % of the pixels hold {:.0f} % of the "
+                "error; intervals hold the median run, and another run can be far worse",
+                name, 100 * f.trimmed_share));
         }
         if (f.dropped_samples > 0) {
             lines.push_back(fmt::format("{}: {} samples were not finite and are missing", name,

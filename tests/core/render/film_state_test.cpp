@@ -346,5 +346,41 @@ TEST(FilmState, J8_rare_bright_samples_make_the_interval_wide) {
     }
 }
 
+/// In a tenth of the picture, one path in 50,000 meets a lamp by way of a mirror; most films have
+/// none. Those that know of the lamp hold their error all the same.
+TEST(FilmState, J8_light_that_no_sample_met_may_be_missing) {
+    constexpr int side = 32, samples = 32, films = 40;
+    constexpr float lamp = 10000, rarity = 50000;
+    FilmLayout layout = square_layout(side);
+    int knowing = 0, unknowing = 0;
+    for (std::uint64_t f = 0; f < films; ++f) {
+        FilmState film(layout);
+        layout.chance_luminance = double(lamp);
+        FilmState aware(layout);
+        layout.chance_luminance = 0;
+        Rng rng(11, f);
+        double error = 0;
+        for (std::size_t i = 0; i < film.pixel_count(); ++i) {
+            const bool lit = i % 10 == 0;
+            for (int k = 0; k < samples; ++k) {
+                const float usual = 0.5f + rng.next_float(), u = rng.next_float();
+                const PixelSample sample =
+                    grey_sample(usual + (lit && u * rarity < 1 ? lamp : 0.0f));
+                add_sample(film, i, sample);
+                add_sample(aware, i, sample);
+            }
+            const double mu = 1 + (lit ? double(lamp / rarity) : 0);
+            error += sqr(film.mean(i, 0) - mu) / (sqr(mu) + 0.01 * sqr(1.02)) / sqr(side);
+        }
+        const auto holds = [&](const ErrorEstimate& estimate) {
+            return estimate.low <= error && error <= estimate.high;
+        };
+        knowing += holds(*aware.error());
+        unknowing += holds(*film.error());
+    }
+    EXPECT_GE(knowing, 38);
+    EXPECT_LE(unknowing, 20);
+}
+
 }  // namespace
 }  // namespace lucerna

@@ -78,5 +78,34 @@ TEST(RenderFigures, J8_a_wide_interval_says_why) {
         << text;
 }
 
+TEST(RenderFigures, J8_light_that_may_be_missing_is_a_reason) {
+    RenderFigures figures;
+    figures.error =
+        ErrorEstimate{.relative_mse = 0.1, .low = 0.02, .high = 0.9, .rare = 0.75, .unseen = 0.8};
+    const std::string text = figures_text(figures);
+    EXPECT_NE(text.find("0.02 to 0.9; not known better, since light by way of mirrors or glass is "
+                        "met by chance, and may be missing)"),
+              std::string::npos)
+        << text;
+}
+
+/// A render that ends by its own error says so if the error may be another one.
+TEST(RenderFigures, J8_an_error_that_was_asked_for_may_not_be_known) {
+    RenderFigures figures;
+    figures.error_asked = 0.1;
+    figures.error = ErrorEstimate{.relative_mse = 0.09, .low = 0.07, .high = 0.14};
+    EXPECT_EQ(figures_warnings(figures), "");
+    figures.error->high = 0.16;
+    EXPECT_EQ(figures_warnings(figures),
+              "warning: the error seems to be below 0.1, as asked for, but cannot be known: with "
+              "95 % it is between 0.07 and 0.16\n");
+    figures.error->high = 3;
+    figures.error->rare = 0.5;
+    EXPECT_NE(figures_warnings(figures).find("0.07 and 3, since 50 % of it is in pixels"),
+              std::string::npos);
+    figures.error->relative_mse = 0.2;  // another limit ended it
+    EXPECT_EQ(figures_warnings(figures), "");
+}
+
 }  // namespace
 }  // namespace lucerna

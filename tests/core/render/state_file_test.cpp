@@ -26,7 +26,8 @@ FilmState rich_film() {
                     .unfiltered = true,
                     .reach = 3,
                     .negative_weight = 0.125,
-                    .noise_correlation = 1.125},
+                    .noise_correlation = 1.125,
+                    .chance_luminance = 0.3},
                    12345678901);
     const ReconstructionFilter filter(lanczos_filter());
     Rng rng(1);
