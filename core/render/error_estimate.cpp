@@ -70,8 +70,8 @@ public:
         const double n = errors.count();
         const double spread = usual_spread(errors);
         const RareErrors of_rare = rare_errors(rare, epsilon_, image_.correlation);
-        const double rare_spread = spread_of(
-            rare.empty() ? 0 : std::sqrt(image_.correlation / static_cast<double>(rare.size())));
+        const double independent = static_cast<double>(rare.size()) / image_.correlation;
+        const double rare_spread = spread_of(std::sqrt(1 / std::max(independent, 1.0)));
         result.relative_mse = errors.mean() + of_rare.likely / n;
         result.low = (sum.least / spread + of_rare.low / rare_spread) / n;
         result.unseen = unseen_error(result.image_mean);
