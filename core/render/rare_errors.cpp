@@ -28,21 +28,20 @@ double error_at(double rate, const RarePixel& pixel, double epsilon) {
 RareErrors rare_errors(const std::vector<RarePixel>& pixels, double epsilon, double correlation) {
     std::vector<double> counts;
     for (const RarePixel& pixel : pixels) counts.push_back(pixel.events);
-    const auto expected = [&](EventRates::Prior prior) {
-        const EventRates rates(counts, prior, correlation);
-        double sum = 0;
-        for (const RarePixel& pixel : pixels) {
-            const EventRates::Weights& weights = rates.given(pixel.events);
-            for (std::size_t k = 0; k < EventRates::count; ++k) {
-                sum += weights[k] * error_at(EventRates::rate(k), pixel, epsilon);
-            }
-        }
-        return sum;
-    };
     // Assumed as firmly as no count can change; not at all; unless the counts speak against it.
-    return {.low = expected({.power = 8, .pixels = 1e9}),
-            .likely = expected({.power = 3}),
-            .high = expected({.power = -1, .pixels = 3})};
+    const EventRates often(counts, {.power = 8, .pixels = 1e9}, correlation);
+    const EventRates likely(counts, {.power = 3}, correlation);
+    const EventRates chance(counts, {.power = -1, .pixels = 3}, correlation);
+    RareErrors result;
+    for (const RarePixel& pixel : pixels) {
+        for (std::size_t k = 0; k < EventRates::count; ++k) {
+            const double error = error_at(EventRates::rate(k), pixel, epsilon);
+            result.low += often.given(pixel.events)[k] * error;
+            result.likely += likely.given(pixel.events)[k] * error;
+            result.high += chance.given(pixel.events)[k] * error;
+        }
+    }
+    return result;
 }
 
 }  // namespace lucerna

@@ -19,8 +19,8 @@ import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BVH = ["--set", "integrator.light_sampler=bvh"]
-ENDS = {"near": "within × 1.5 of what was asked", "better": "better", "warned": "worse, and warned",
-        "wrong": "worse, and not warned"}
+ENDS = {"near": "within × 1.5 of what was asked", "warned": "not, and warned", "better": "better",
+        "worse": "worse, and not warned"}
 SCENES = {  # options, samples of the reference
     "cornell-box": ("cornell-box", ["--resolution", "64x64"], 1024),
     "first": ("first", ["--resolution", "64x40"], 1024),
@@ -143,8 +143,8 @@ def row(runs, scene, seeds, asked, limit):
         widths.append(high / low)
         held += low <= truth <= high
         if asked:
-            ends.append("better" if truth < asked / 1.5 else "near" if truth <= 1.5 * asked else
-                        "warned" if high > 1.5 * asked else "wrong")
+            ends.append("near" if asked / 1.5 <= truth <= 1.5 * asked else
+                        "warned" if high > 1.5 * asked else "better" if truth < asked else "worse")
     cells = [scene, f"{statistics.median(truths):.3g}",
              f"{statistics.median(ratios):.2f} ({percentile(ratios, 0.1):.2f} to "
              f"{percentile(ratios, 0.9):.2f})",
