@@ -348,7 +348,7 @@ TEST_F(PartsTest, WhatDoesNotFitTogetherIsRefused) {
         refusal({"a.exr", "old.exr"}, exit_code::file),
         "old.exr was written by Lucerna 0.0.9 with version 3 of its states; this is Lucerna " +
             std::string(core_version()) +
-            " with version 5, which cannot continue it; render it again\n");
+            " with version 6, which cannot continue it; render it again\n");
     render({"-q", "--spp", "1", "-o", "picture"});
     EXPECT_EQ(refusal({"picture.exr"}, exit_code::file),
               "picture.exr is not the state of a render; give a file that `lucerna render "
