@@ -127,6 +127,9 @@ void Scene::find_media() {
     for (const auto& object : parts_.objects) {
         const auto* shape = dynamic_cast<const Shape*>(object.get());
         contains_media_ = contains_media_ || (shape && shape->media());
+        if (const auto* medium = dynamic_cast<const Medium*>(object.get())) {
+            media_.push_back(medium);
+        }
     }
     has_media_ = contains_media_ && parts_.integrator && parts_.integrator->renders_media();
 }

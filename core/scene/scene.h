@@ -65,6 +65,8 @@ public:
     bool has_media() const { return has_media_; }
     /// Whether there are media at all.
     bool contains_media() const { return contains_media_; }
+    /// All media, whether something is in them or not.
+    std::span<const Medium* const> media() const { return media_; }
 
     /// All lights: lights().size() may be millions.
     std::span<const Light> lights() const { return lights_; }
@@ -109,6 +111,7 @@ private:
     std::unique_ptr<Accelerator> accelerator_;
     std::vector<Light, HugePages<Light>> lights_;
     std::vector<std::uint32_t> infinite_lights_;
+    std::vector<const Medium*> media_;
     const LightSampler* light_sampler_ = nullptr;
     bool has_null_surfaces_ = false;  ///< some let light straight through
     bool has_media_ = false, contains_media_ = false;
