@@ -69,7 +69,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     if (bounds_.empty()) bounds_ = {.min = Vector3(0), .max = Vector3(0)};
     accelerator_ = std::make_unique<Accelerator>(parts_.shapes, parts_.threads);
     collect_lights();
-    find_null_surfaces();
+    find_kinds_of_surfaces();
     find_media();
     // Emitters first: light samplers ask them for their power.
     const auto prepare_if = [&](bool emitters) {
@@ -113,12 +113,13 @@ void Scene::collect_lights() {
     }
 }
 
-void Scene::find_null_surfaces() {
+void Scene::find_kinds_of_surfaces() {
     for (const auto& object : parts_.objects) {
         const auto* shape = dynamic_cast<const Shape*>(object.get());
-        if (shape && shape->bsdf() && any(shape->bsdf()->lobes() & Lobe::null)) {
-            has_null_surfaces_ = true;
-        }
+        if (!shape || !shape->bsdf()) continue;
+        const Lobe lobes = shape->bsdf()->lobes();
+        has_null_surfaces_ = has_null_surfaces_ || any(lobes & Lobe::null);
+        has_specular_surfaces_ = has_specular_surfaces_ || only_specular(lobes);
     }
 }
 

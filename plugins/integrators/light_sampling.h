@@ -86,7 +86,7 @@ struct LightEstimate {
     Vector3 wi_local{0};
     BSDFValue scattered;
     float density = 0;  ///< pmf · pdf
-    Color value{0};
+    Color response{0};  ///< what radiance is multiplied by: f |cos θ| weight / density
 };
 
 /// Where and how a surface is seen, for light sampling.
@@ -134,7 +134,7 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     const Interaction& at = surface.at;
     const Light& light = scene.lights()[choice.light];
     const std::optional<LightSample> sample = light.emitter->sample_li(light, surface.receiver, u);
-    if (!sample || is_black(sample->radiance)) return false;
+    if (!sample) return false;
     const Vector3 wi_local = at.to_local(sample->wi);
     if (!same_side(at, sample->wi, wi_local)) return false;
     const BSDFValue value =
@@ -147,7 +147,7 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     result.wi_local = wi_local;
     result.scattered = value;
     result.density = density;
-    result.value = value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density);
+    result.response = value.f * (abs_cos_theta(wi_local) * weight / density);
     return true;
 }
 
@@ -166,8 +166,9 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
         if (!choice || !sample_light(scene, *choice, surface, u, passes, bsdf_samples, estimate)) {
             continue;
         }
+        if (is_black(estimate.sample.radiance)) continue;
         const Color arriving = scene.transmittance(surface.receiver, estimate.sample);
-        sum += ColorD(arriving * estimate.value);
+        sum += ColorD(arriving * estimate.sample.radiance * estimate.response);
     }
     return Color(sum);
 }

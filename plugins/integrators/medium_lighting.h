@@ -28,7 +28,7 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     const float weight = sample->delta ? 1.0f : power_heuristic(density, phase_samples * value.pdf);
     result.sample = *sample;
     result.density = density;
-    result.value = sample->radiance * (value.f * weight / density);
+    result.response = Color(value.f * weight / density);
     return true;
 }
 
@@ -47,7 +47,7 @@ Color sample_lights(const Scene& scene, const LightSampler& sampler, const LitPo
             continue;
         }
         const Color arriving = scene.transmittance(point.receiver, light.sample, rng);
-        direct += ColorD(arriving * light.value);
+        direct += ColorD(arriving * light.sample.radiance * light.response);
     }
     return Color(direct);
 }
@@ -69,7 +69,8 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
         Receiver receiver = surface.receiver;
         receiver.medium = medium_beyond(surface.at, light.sample.wi, medium);
         const Color arriving = scene.transmittance(receiver, light.sample, rng);
-        if (!is_black(arriving)) direct += ColorD(arriving * light.value);
+        if (!is_black(arriving))
+            direct += ColorD(arriving * light.sample.radiance * light.response);
     }
     return Color(direct);
 }

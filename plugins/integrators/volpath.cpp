@@ -2,12 +2,14 @@
 /// volpath: path tracing through participating media, with next event estimation, multiple
 /// importance sampling and Russian roulette.
 ///
-/// Surfaces are treated as in `path` without path reuse and with one pass of light samples: a scene
-/// without media gets the same bits. Media: core/scene/medium_tracking.h. Light that arrives at a
-/// vertex is estimated by sampling lights, with an estimate of the transmittance up to them, and by
-/// following the path. The power heuristic weights the two by their densities of direction alone:
-/// both estimates of the transmittance are unbiased by themselves. Direct light that a homogeneous
-/// medium scatters is sampled once more along each ray (line_scattering.h).
+/// Surfaces are treated as in `path` without path reuse and specular chains and with one pass of
+/// light samples: a scene without media gets the same bits. Media: core/scene/medium_tracking.h.
+///
+/// Light that arrives at a vertex is estimated by sampling lights, with an estimate of the
+/// transmittance up to them, and by following the path. The power heuristic weights the two by
+/// their densities of direction alone: both estimates of the transmittance are unbiased by
+/// themselves. Direct light that a homogeneous medium scatters is sampled once more along each ray
+/// (line_scattering.h).
 #include "core/render/sampling_integrator.h"
 #include "core/scene/medium_tracking.h"
 #include "plugins/integrators/line_scattering.h"
