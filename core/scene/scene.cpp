@@ -183,6 +183,9 @@ void Scene::intersect(std::span<TracedRay* const> rays) const {
     constexpr std::size_t most = 16;  // what they read stays in the first cache
     for (; rays.size() > most; rays = rays.subspan(most)) intersect(rays.first(most));
     RayStatistics& statistics = thread_ray_statistics();
+    const auto prefetch = [](const SceneHit& hit, Shape::Batch::Prefetch what) {
+        hit.shape->batch().prefetch(*hit.shape, hit.hit.primitive, what);
+    };
     SceneHit met[most];
     std::uint8_t hits[most];  // of the rays, those that met something
     std::size_t hit_count = 0;
@@ -194,14 +197,12 @@ void Scene::intersect(std::span<TracedRay* const> rays) const {
             rays[i]->hit.reset();
             continue;
         }
-        if (met[i].large) {
-            met[i].shape->prefetch(met[i].hit.primitive, Shape::Prefetch::addresses);
-        }
+        if (met[i].large) prefetch(met[i], Shape::Batch::Prefetch::addresses);
         hits[hit_count++] = static_cast<std::uint8_t>(i);
     }
     for (std::size_t k = 0; k < hit_count; ++k) {
         const SceneHit& hit = met[hits[k]];
-        if (hit.large) hit.shape->prefetch(hit.hit.primitive, Shape::Prefetch::data);
+        if (hit.large) prefetch(hit, Shape::Batch::Prefetch::data);
     }
     for (std::size_t k = 0; k < hit_count; ++k) {
         const std::size_t i = hits[k];

@@ -118,11 +118,12 @@ inline void choose_lights(const Scene& scene, const LightSampler& sampler, std::
     for (const LightQuery& query : queries) {
         if (query.choice) __builtin_prefetch(&lights[query.choice->light]);
     }
-    for (const auto what : {Shape::Prefetch::addresses, Shape::Prefetch::data}) {
+    for (const auto what : {Shape::Batch::Prefetch::addresses, Shape::Batch::Prefetch::data}) {
         for (const LightQuery& query : queries) {
             if (!query.choice) continue;
             const Light& light = lights[query.choice->light];
-            if (light.shape) light.shape->prefetch(light.primitive, what);
+            if (!light.shape) continue;
+            light.shape->batch().prefetch(*light.shape, light.primitive, what);
         }
     }
 }
