@@ -40,7 +40,7 @@ TEST(PhotonMedia, O1_WhiteFurnace) {
                                                          integer("volume_photons", 100000) +
                                                          integer("volume_lookup_size", 8));
     EXPECT_TRUE(agrees(image_means(many + scene, 8, 6), 1, 0.01));
-    EXPECT_TRUE(agrees(image_means(sppm + scene, 32, 6), 1, 0.005));
+    EXPECT_TRUE(agrees(image_means(sppm + scene, 32, 12), 1, 0.005));
 }
 
 /// The focus behind a ball of glass in fog, lit by a small lamp, with all that fog and walls
