@@ -101,8 +101,11 @@ std::string point_light(Vector3d position, double intensity) {
 
 std::string path_integrator(const std::string& inside) {
     std::string all = inside;
-    for (const char* const name : {"reuse", "emitter_samples"}) {
-        if (inside.find(fmt::format("'{}'", name)) == std::string::npos) all += integer(name, 1);
+    const std::pair<const char*, int> simplest[] = {
+        {"reuse", 1}, {"emitter_samples", 1}, {"specular_chain", 0}};
+    for (const auto& [name, value] : simplest) {
+        if (inside.find(fmt::format("'{}'", name)) != std::string::npos) continue;
+        all += integer(name, value);
     }
     return "<integrator type='path'>" + all + "</integrator>";
 }

@@ -70,7 +70,7 @@ std::string area_light(double radiance);
 std::string constant_light(double radiance);
 std::string point_light(Vector3d position, double intensity);
 /// Unless `inside` says more, pixels share no paths and are independent of each other, and each
-/// vertex takes one pass of light samples.
+/// vertex takes one pass of light samples, which follow no specular chains.
 std::string path_integrator(const std::string& inside = "");
 std::string direct_integrator(const std::string& inside = "");
 std::string integer(const std::string& name, std::int64_t value);

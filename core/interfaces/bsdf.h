@@ -44,10 +44,6 @@ public:
     /// for Russian roulette of photons; in [0, 1].
     virtual Color albedo(const Interaction& at, Vector3 wo) const = 0;
 
-    /// Whether it asks for `dpdu`, `dpdv` or the direction of `shading.s`. Hits are found faster if
-    /// not: then only `shading.n` means something, and the other axes are any.
-    virtual bool uses_tangents() const { return true; }
-
     /// Sides to which light can go: both if something is transmitted.
     Sides sides() const { return lucerna::sides(lobes()); }
 

@@ -63,8 +63,6 @@ public:
     /// A particle that leaves the light; u_position and u_direction in [0, 1)².
     virtual std::optional<EmissionSample> sample_emission(const Light& light, Vector2 u_position,
                                                           Vector2 u_direction) const = 0;
-    /// Whether it asks for the `uv` of points that are sampled on its shape.
-    virtual bool uses_uv() const { return true; }
 
     virtual LightBounds bounds(const Light& light) const = 0;
 

@@ -81,8 +81,7 @@ struct Hit {
 struct SurfaceSample {
     Vector3 p{0};
     Vector3 n{0, 0, 1};
-    Vector2 uv{0};
-    Vector2 hit_uv{0};  ///< place on the primitive: Hit::uv, where shapes have attributes
+    Vector2 hit_uv{0};  ///< place on the primitive: Hit::uv of rays that meet it there
     float error = 0;
     float pdf = 0;  ///< per area [1/m²] or per solid angle [1/sr]: the function says
 };

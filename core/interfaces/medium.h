@@ -34,6 +34,8 @@ public:
 
     bool homogeneous() const { return majorants() == nullptr; }
     const Phase& phase() const { return *phase_; }
+    /// False if it is known to scatter nowhere.
+    bool may_scatter() const { return !homogeneous() || at(Vector3(0)).sigma_s != Color(0); }
 
 private:
     const Phase* phase_;

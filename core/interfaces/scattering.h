@@ -33,6 +33,9 @@ inline constexpr Lobe delta_lobes = specular_lobes | Lobe::null;
 inline constexpr Lobe transmission_lobes = Lobe::diffuse_transmission | Lobe::glossy_transmission |
                                            Lobe::specular_transmission | Lobe::null;
 
+/// Mirrors and clear glass: there is nothing for light sampling.
+constexpr bool only_specular(Lobe lobes) { return any(lobes) && (lobes & specular_lobes) == lobes; }
+
 /// Sides to which light can go, of front and back: both if something is transmitted.
 constexpr Sides sides(Lobe lobes) {
     return any(lobes & transmission_lobes) ? Sides::both : Sides::front;

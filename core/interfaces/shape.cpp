@@ -30,7 +30,6 @@ public:
         return {};
     }
     Color albedo(const Interaction&, Vector3) const override { return Color(0); }
-    bool uses_tangents() const override { return false; }
 };
 
 const BSDF& black_surface() {
@@ -50,9 +49,7 @@ Shape::Shape(const Params& params) {
                   : &params.nested_or<BSDF>(media_ ? "null" : "diffuse",
                                             "how the surface scatters light; if there is none, a "
                                             "shape with media is \"null\", an emitter is black");
-    needs_tangents_ = bsdf_->uses_tangents();
     emitter_ = params.nested<Emitter>("makes the surface a light: an area emitter");
-    needs_sample_uv_ = !emitter_ || emitter_->uses_uv();
     flip_normals_ = params.boolean("flip_normals", false, "turns the normals inwards");
     require_affine(params, world_from_object_);
     if (emitter_ && !emitter_->on_surface()) {

@@ -34,8 +34,8 @@ public:
 
     /// For analytic shapes: the nearest hit with 0 <= t <= ray.tmax, computed in double.
     virtual std::optional<Hit> intersect(const Ray& ray) const;
-    /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`. Unless
-    /// `needs_tangents`, dpdu and dpdv may be left as they are, and any frame will do.
+    /// Fills p, error, n, uv, shading, dpdu, dpdv; n and shading.n honour `flip_normals`, and
+    /// shading.s follows dpdu.
     virtual void fill(const Ray& ray, const Hit& hit, Interaction& at) const = 0;
     /// Values that its file gives to vertices or faces, as `vertex_color`: their names, and the
     /// value of one of them at a point (shape, primitive and hit_uv of `at`).
@@ -43,16 +43,11 @@ public:
     virtual Color attribute(std::string_view /*name*/, const Interaction& /*at*/) const {
         return Color(0);
     }
-    /// Prefetches a primitive: first its indices, then, when they have arrived, its data. Called
-    /// only for shapes that the nearest cache does not hold.
-    enum class Prefetch { addresses, data };
-    virtual void prefetch(std::uint32_t /*primitive*/, Prefetch) const {}
 
     /// Number of primitives that can be sampled, each a light if the shape emits.
     virtual std::uint32_t primitive_count() const { return 1; }
     virtual float area(std::uint32_t primitive) const = 0;
-    /// Uniform by area: pdf is 1 / area(primitive). u in [0, 1)². Unless `needs_sample_uv`, uv may
-    /// be left out of this and all other samples.
+    /// Uniform by area: pdf is 1 / area(primitive). u in [0, 1)².
     virtual SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const = 0;
     /// A point seen from `from`, with its density per solid angle. By area unless overridden.
     /// Empty: the primitive cannot be seen from there, or its density is not finite.
@@ -61,6 +56,10 @@ public:
     /// Density [1/sr] with which `sample_solid_angle` chooses the direction `wi` that meets `hit`.
     virtual float pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3 wi,
                                   const Interaction& hit) const;
+    /// The surface parameters of a sampled point: what `fill` has for the uv of hits there.
+    virtual Vector2 uv_of(std::uint32_t /*primitive*/, const SurfaceSample& sample) const {
+        return sample.hit_uv;
+    }
     /// Cone around the normals of a primitive: axis, and cosine of its half angle.
     virtual std::pair<Vector3, float> normal_cone(std::uint32_t primitive) const;
     virtual Bounds3 primitive_bounds(std::uint32_t primitive) const;
@@ -96,10 +95,6 @@ protected:
 
     const Transform& world_from_object() const { return world_from_object_; }
     bool flip_normals() const { return flip_normals_; }
-    /// Whether the BSDF asks for them.
-    bool needs_tangents() const { return needs_tangents_; }
-    /// Whether the emitter, if there is one, asks for the uv of samples.
-    bool needs_sample_uv() const { return needs_sample_uv_; }
 
 private:
     friend class Scene;
@@ -111,8 +106,6 @@ private:
     std::uint32_t scene_index_ = PrimitiveId::none;
     const Batch* batch_ = nullptr;
     bool flip_normals_ = false;
-    bool needs_tangents_ = false;
-    bool needs_sample_uv_ = true;
     Transform world_from_object_;
     MediumInterface media_;
 };

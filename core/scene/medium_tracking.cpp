@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/medium_tracking.h"
 
+#include <algorithm>
+
 namespace lucerna {
 
 namespace {
@@ -95,6 +97,17 @@ bool collide_tracked(const MediumSegment& segment, bool may_scatter, Rng& rng, M
     return scattered;
 }
 
+/// One step of ratio tracking; true if nothing is left.
+bool attenuate(const MediumPoint& m, float majorant, Rng& rng, Color& result) {
+    result *= glm::max(Color(1) - m.sigma_t / majorant, Color(0));
+    // Russian roulette: the rest of the way costs more than it tells.
+    constexpr float dim = 0.1f, survival = 0.5f;
+    if (max_component(result) >= dim) return false;
+    const bool ends = is_black(result) || !(rng.next_float() < survival);
+    result = ends ? Color(0) : result / survival;
+    return ends;
+}
+
 }  // namespace
 
 Color transmittance(const MediumSegment& segment, Rng& rng) {
@@ -103,15 +116,31 @@ Color transmittance(const MediumSegment& segment, Rng& rng) {
     if (medium.homogeneous()) return attenuation(medium.at(segment.o).sigma_t, segment.length);
     Color result(1);
     track(segment, rng, [&](float, const MediumPoint& m, float majorant) {
-        result *= glm::max(Color(1) - m.sigma_t / majorant, Color(0));
-        // Russian roulette: the rest of the way costs more than it tells.
-        constexpr float dim = 0.1f, survival = 0.5f;
-        if (max_component(result) >= dim) return false;
-        const bool ends = is_black(result) || !(rng.next_float() < survival);
-        result = ends ? Color(0) : result / survival;
-        return ends;
+        return attenuate(m, majorant, rng, result);
     });
     return result;
+}
+
+TransmittanceAlong::TransmittanceAlong(const MediumSegment& segment, Rng& rng)
+    : homogeneous_(segment.medium->homogeneous()) {
+    if (homogeneous_) {
+        sigma_t_ = segment.medium->at(segment.o).sigma_t;
+        return;
+    }
+    steps_.push_back({0, Color(1)});
+    Color now(1);
+    track(segment, rng, [&](float t, const MediumPoint& m, float majorant) {
+        const bool ends = attenuate(m, majorant, rng, now);
+        steps_.push_back({t, now});
+        return ends;
+    });
+}
+
+Color TransmittanceAlong::operator()(float t) const {
+    if (homogeneous_) return attenuation(sigma_t_, t);
+    const auto next = std::upper_bound(steps_.begin() + 1, steps_.end(), t,
+                                       [](float x, const Step& step) { return x < step.t; });
+    return (next - 1)->transmittance;
 }
 
 bool sample_collision(const MediumSegment& segment, bool may_scatter, Vector2 u, Rng& rng,

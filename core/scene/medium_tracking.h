@@ -12,6 +12,8 @@
 #include "core/interfaces/shape.h"
 #include "core/math/sequences.h"
 
+#include <vector>
+
 namespace lucerna {
 
 /// The medium in which a path is that leaves `at` along `d`, and was in `current` before.
@@ -37,6 +39,25 @@ inline Color attenuation(Color sigma, float t) {
 /// An unbiased estimate of the fraction of light that gets through: exact in homogeneous media, by
 /// ratio tracking (Novák et al. 2014) in others.
 Color transmittance(const MediumSegment& segment, Rng& rng);
+
+/// An unbiased estimate of the transmittance up to every point of a segment that has a medium:
+/// exact in homogeneous media, one run of ratio tracking in others.
+class TransmittanceAlong {
+public:
+    TransmittanceAlong(const MediumSegment& segment, Rng& rng);
+    /// Up to o + t d, 0 <= t <= length.
+    Color operator()(float t) const;
+
+private:
+    /// From t on, up to the next step.
+    struct Step {
+        float t;
+        Color transmittance;
+    };
+    bool homogeneous_;
+    Color sigma_t_{0};
+    std::vector<Step> steps_;
+};
 
 /// A path in a medium, and what its camera sees of the medium's emission.
 struct MediumPath {

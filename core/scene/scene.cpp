@@ -69,7 +69,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     if (bounds_.empty()) bounds_ = {.min = Vector3(0), .max = Vector3(0)};
     accelerator_ = std::make_unique<Accelerator>(parts_.shapes, parts_.threads);
     collect_lights();
-    find_null_surfaces();
+    find_kinds_of_surfaces();
     find_media();
     // Emitters first: light samplers ask them for their power.
     const auto prepare_if = [&](bool emitters) {
@@ -113,12 +113,13 @@ void Scene::collect_lights() {
     }
 }
 
-void Scene::find_null_surfaces() {
+void Scene::find_kinds_of_surfaces() {
     for (const auto& object : parts_.objects) {
         const auto* shape = dynamic_cast<const Shape*>(object.get());
-        if (shape && shape->bsdf() && any(shape->bsdf()->lobes() & Lobe::null)) {
-            has_null_surfaces_ = true;
-        }
+        if (!shape || !shape->bsdf()) continue;
+        const Lobe lobes = shape->bsdf()->lobes();
+        has_null_surfaces_ = has_null_surfaces_ || any(lobes & Lobe::null);
+        has_specular_surfaces_ = has_specular_surfaces_ || only_specular(lobes);
     }
 }
 
@@ -127,6 +128,9 @@ void Scene::find_media() {
     for (const auto& object : parts_.objects) {
         const auto* shape = dynamic_cast<const Shape*>(object.get());
         contains_media_ = contains_media_ || (shape && shape->media());
+        if (const auto* medium = dynamic_cast<const Medium*>(object.get())) {
+            media_.push_back(medium);
+        }
     }
     has_media_ = contains_media_ && parts_.integrator && parts_.integrator->renders_media();
 }
@@ -179,6 +183,9 @@ void Scene::intersect(std::span<TracedRay* const> rays) const {
     constexpr std::size_t most = 16;  // what they read stays in the first cache
     for (; rays.size() > most; rays = rays.subspan(most)) intersect(rays.first(most));
     RayStatistics& statistics = thread_ray_statistics();
+    const auto prefetch = [](const SceneHit& hit, Shape::Batch::Prefetch what) {
+        hit.shape->batch().prefetch(*hit.shape, hit.hit.primitive, what);
+    };
     SceneHit met[most];
     std::uint8_t hits[most];  // of the rays, those that met something
     std::size_t hit_count = 0;
@@ -190,14 +197,12 @@ void Scene::intersect(std::span<TracedRay* const> rays) const {
             rays[i]->hit.reset();
             continue;
         }
-        if (met[i].large) {
-            met[i].shape->prefetch(met[i].hit.primitive, Shape::Prefetch::addresses);
-        }
+        if (met[i].large) prefetch(met[i], Shape::Batch::Prefetch::addresses);
         hits[hit_count++] = static_cast<std::uint8_t>(i);
     }
     for (std::size_t k = 0; k < hit_count; ++k) {
         const SceneHit& hit = met[hits[k]];
-        if (hit.large) hit.shape->prefetch(hit.hit.primitive, Shape::Prefetch::data);
+        if (hit.large) prefetch(hit, Shape::Batch::Prefetch::data);
     }
     for (std::size_t k = 0; k < hit_count; ++k) {
         const std::size_t i = hits[k];

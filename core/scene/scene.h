@@ -61,10 +61,14 @@ public:
     /// The same through media, too, of which the first is `from.medium`: an unbiased estimate.
     Color transmittance(const Receiver& from, const LightSample& to, Rng& rng) const;
 
+    /// Whether some surfaces are mirrors or clear glass, and nothing else.
+    bool has_specular_surfaces() const { return has_specular_surfaces_; }
     /// Whether there are media and the integrator renders them.
     bool has_media() const { return has_media_; }
     /// Whether there are media at all.
     bool contains_media() const { return contains_media_; }
+    /// All media, whether something is in them or not.
+    std::span<const Medium* const> media() const { return media_; }
 
     /// All lights: lights().size() may be millions.
     std::span<const Light> lights() const { return lights_; }
@@ -97,7 +101,7 @@ public:
 
 private:
     void collect_lights();
-    void find_null_surfaces();
+    void find_kinds_of_surfaces();
     void find_media();
     Color transmittance(Ray ray, PrimitiveId target, bool past_emitters,
                         std::vector<MediumSegment>* media = nullptr) const;
@@ -109,8 +113,10 @@ private:
     std::unique_ptr<Accelerator> accelerator_;
     std::vector<Light, HugePages<Light>> lights_;
     std::vector<std::uint32_t> infinite_lights_;
+    std::vector<const Medium*> media_;
     const LightSampler* light_sampler_ = nullptr;
     bool has_null_surfaces_ = false;  ///< some let light straight through
+    bool has_specular_surfaces_ = false;
     bool has_media_ = false, contains_media_ = false;
 };
 

@@ -19,9 +19,6 @@ public:
     }
 
     Lobe lobes() const override { return first_->lobes() | second_->lobes(); }
-    bool uses_tangents() const override {
-        return first_->uses_tangents() || second_->uses_tangents();
-    }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {

@@ -15,7 +15,6 @@ public:
     explicit Conductor(const Params& params) : metal_(params) {}
 
     Lobe lobes() const override { return Lobe::specular_reflection; }
-    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction&, Vector3, Vector3, TransportMode) const override {
         return {};

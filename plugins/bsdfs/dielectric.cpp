@@ -17,7 +17,6 @@ public:
         return glass_.matched() ? Lobe::null
                                 : Lobe::specular_reflection | Lobe::specular_transmission;
     }
-    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction&, Vector3, Vector3, TransportMode) const override {
         return {};

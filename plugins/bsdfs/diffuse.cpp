@@ -4,6 +4,7 @@
 ///     f(wo, wi) = reflectance / π                                            (Lambert 1760)
 ///
 /// Only the front reflects; `twosided` adds the back.
+#include "core/base/vectorized.h"
 #include "core/interfaces/bsdf.h"
 #include "core/math/select.h"
 #include "core/math/warp.h"
@@ -38,7 +39,6 @@ public:
                                           "fraction of light reflected")) {}
 
     Lobe lobes() const override { return Lobe::diffuse_reflection; }
-    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {

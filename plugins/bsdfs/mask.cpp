@@ -18,7 +18,6 @@ public:
         const bool opaque = !opacity_.texture && opacity_.constant == 1;
         return opaque ? nested_.lobes() : nested_.lobes() | Lobe::null;
     }
-    bool uses_tangents() const override { return nested_.uses_tangents(); }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {

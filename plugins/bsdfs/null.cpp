@@ -10,7 +10,6 @@ public:
     explicit Null(const Params&) {}
 
     Lobe lobes() const override { return Lobe::null; }
-    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction&, Vector3, Vector3, TransportMode) const override {
         return {};

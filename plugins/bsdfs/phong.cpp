@@ -33,7 +33,6 @@ public:
     }
 
     Lobe lobes() const override { return Lobe::diffuse_reflection | Lobe::glossy_reflection; }
-    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {

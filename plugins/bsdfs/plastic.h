@@ -72,7 +72,6 @@ public:
         return Lobe::diffuse_reflection |
                (facets_ ? Lobe::glossy_reflection : Lobe::specular_reflection);
     }
-    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {

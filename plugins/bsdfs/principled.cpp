@@ -56,7 +56,6 @@ public:
         const Lobe opaque = Lobe::diffuse_reflection | Lobe::glossy_reflection;
         return transmits() ? opaque | Lobe::glossy_transmission : opaque;
     }
-    bool uses_tangents() const override { return disney::Surface::used(surface_.anisotropic); }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {

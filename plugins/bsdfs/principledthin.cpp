@@ -40,7 +40,6 @@ public:
         if (!disney::Surface::used(surface_.spec_trans)) return all;
         return all | Lobe::glossy_reflection | Lobe::glossy_transmission;
     }
-    bool uses_tangents() const override { return disney::Surface::used(surface_.anisotropic); }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {

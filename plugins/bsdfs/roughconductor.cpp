@@ -20,7 +20,6 @@ public:
     Lobe lobes() const override {
         return roughness_.lobes(Lobe::glossy_reflection, Lobe::specular_reflection);
     }
-    bool uses_tangents() const override { return roughness_.anisotropic(); }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode) const override {

@@ -26,7 +26,6 @@ public:
         return roughness_.lobes(Lobe::glossy_reflection | Lobe::glossy_transmission,
                                 Lobe::specular_reflection | Lobe::specular_transmission);
     }
-    bool uses_tangents() const override { return roughness_.anisotropic(); }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {

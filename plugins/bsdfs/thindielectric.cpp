@@ -14,7 +14,6 @@ public:
     explicit ThinDielectric(const Params& params) : glass_(params, relative_ior(params, "bk7")) {}
 
     Lobe lobes() const override { return Lobe::specular_reflection | Lobe::null; }
-    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction&, Vector3, Vector3, TransportMode) const override {
         return {};

@@ -21,9 +21,6 @@ public:
     }
 
     Lobe lobes() const override { return front_->lobes() | back_->lobes(); }
-    bool uses_tangents() const override {
-        return front_->uses_tangents() || back_->uses_tangents();
-    }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {

@@ -3,6 +3,7 @@
 ///
 /// The power of a primitive is Φ = π A L. Light towards a point is sampled as the shape does it
 /// best (by solid angle), particles by area and cosine.
+#include "core/base/vectorized.h"
 #include "core/interfaces/emitter.h"
 #include "core/interfaces/shape.h"
 #include "core/math/rounding.h"
@@ -33,7 +34,6 @@ public:
     }
 
     bool on_surface() const override { return true; }
-    bool uses_uv() const override { return radiance_.texture != nullptr; }
 
     Color radiance(const Interaction& at, Vector3 w) const override {
         return glm::dot(at.n, w) > 0 ? radiance_(at) : Color(0);
@@ -50,7 +50,7 @@ public:
         if (!(glm::dot(at->n, wi) < 0)) return {};
         return LightSample{.wi = wi,
                            .distance = distance,
-                           .radiance = radiance_of(light, at->p, at->n, at->uv, at->hit_uv),
+                           .radiance = radiance_of(light, *at),
                            .pdf = at->pdf,
                            .p = at->p,
                            .n = at->n,
@@ -70,11 +70,10 @@ public:
         if (!(at.pdf > 0)) return {};
         const Vector3 local = square_to_cosine_hemisphere(u_direction);
         const Vector3 w = Frame::from_normal(at.n).to_world(local);
-        return EmissionSample{
-            .ray = {.o = offset_ray_origin(at.p, at.error, at.n, w), .d = w},
-            .power = radiance_of(light, at.p, at.n, at.uv, at.hit_uv) * (pi / at.pdf),
-            .pdf_position = at.pdf,
-            .pdf_direction = square_to_cosine_hemisphere_pdf(local)};
+        return EmissionSample{.ray = {.o = offset_ray_origin(at.p, at.error, at.n, w), .d = w},
+                              .power = radiance_of(light, at) * (pi / at.pdf),
+                              .pdf_position = at.pdf,
+                              .pdf_direction = square_to_cosine_hemisphere_pdf(local)};
     }
 
     void sample_emission_lanes(const Light& light, const Vector2Lanes& u_position,
@@ -84,7 +83,7 @@ public:
         light.shape->batch().sample_area(*light.shape, light.primitive, u_position, count, at);
         leave_surface(at, u_direction, out);
         for (std::size_t i = 0; i < count; ++i) {
-            const Color radiance = radiance_of(light, at.p[i], at.n[i], at.uv[i], at.hit_uv[i]);
+            const Color radiance = radiance_of(light, at[i]);
             out.power.set(i, at.pdf[i] > 0 ? radiance * (pi / at.pdf[i]) : Color(0));
         }
     }
@@ -101,16 +100,15 @@ public:
     }
 
 private:
-    /// At a point that was sampled on a light.
-    Color radiance_of(const Light& light, Vector3 p, Vector3 n, Vector2 uv, Vector2 hit_uv) const {
+    Color radiance_of(const Light& light, const SurfaceSample& sample) const {
         if (!radiance_.texture) return radiance_.constant;
         Interaction at;
-        at.p = p;
-        at.n = n;
-        at.uv = uv;
+        at.p = sample.p;
+        at.n = sample.n;
+        at.uv = light.shape->uv_of(light.primitive, sample);
         at.shape = light.shape;
         at.primitive = light.primitive;
-        at.hit_uv = hit_uv;
+        at.hit_uv = sample.hit_uv;
         return radiance_(at);
     }
 

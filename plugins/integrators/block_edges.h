@@ -2,6 +2,7 @@
 /// The edges from sixteen first vertices of paths to one second vertex, computed together.
 #pragma once
 
+#include "core/base/vectorized.h"
 #include "core/interfaces/batch/lanes.h"
 #include "core/math/rounding.h"
 #include "core/scene/ray_queries.h"

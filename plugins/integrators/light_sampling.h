@@ -86,7 +86,7 @@ struct LightEstimate {
     Vector3 wi_local{0};
     BSDFValue scattered;
     float density = 0;  ///< pmf · pdf
-    Color value{0};
+    Color response{0};  ///< what radiance is multiplied by: f |cos θ| weight / density
 };
 
 /// Where and how a surface is seen, for light sampling.
@@ -118,11 +118,12 @@ inline void choose_lights(const Scene& scene, const LightSampler& sampler, std::
     for (const LightQuery& query : queries) {
         if (query.choice) __builtin_prefetch(&lights[query.choice->light]);
     }
-    for (const auto what : {Shape::Prefetch::addresses, Shape::Prefetch::data}) {
+    for (const auto what : {Shape::Batch::Prefetch::addresses, Shape::Batch::Prefetch::data}) {
         for (const LightQuery& query : queries) {
             if (!query.choice) continue;
             const Light& light = lights[query.choice->light];
-            if (light.shape) light.shape->prefetch(light.primitive, what);
+            if (!light.shape) continue;
+            light.shape->batch().prefetch(*light.shape, light.primitive, what);
         }
     }
 }
@@ -134,7 +135,7 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     const Interaction& at = surface.at;
     const Light& light = scene.lights()[choice.light];
     const std::optional<LightSample> sample = light.emitter->sample_li(light, surface.receiver, u);
-    if (!sample || is_black(sample->radiance)) return false;
+    if (!sample) return false;
     const Vector3 wi_local = at.to_local(sample->wi);
     if (!same_side(at, sample->wi, wi_local)) return false;
     const BSDFValue value =
@@ -147,7 +148,7 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     result.wi_local = wi_local;
     result.scattered = value;
     result.density = density;
-    result.value = value.f * sample->radiance * (abs_cos_theta(wi_local) * weight / density);
+    result.response = value.f * (abs_cos_theta(wi_local) * weight / density);
     return true;
 }
 
@@ -166,8 +167,9 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
         if (!choice || !sample_light(scene, *choice, surface, u, passes, bsdf_samples, estimate)) {
             continue;
         }
+        if (is_black(estimate.sample.radiance)) continue;
         const Color arriving = scene.transmittance(surface.receiver, estimate.sample);
-        sum += ColorD(arriving * estimate.value);
+        sum += ColorD(arriving * estimate.sample.radiance * estimate.response);
     }
     return Color(sum);
 }

@@ -74,7 +74,11 @@ public:
         const float own = collision_pdf(t);
         return own > 0 ? own / (own + pdf(t)) : 0.0f;
     }
-    /// The throughput up to and with a scattering at t that `sample` has chosen, with its weight.
+    /// The throughput up to and with a scattering at t that `sample` has chosen.
+    Color throughput_alone(float t) const {
+        return beta_ * point_.sigma_s * attenuation(point_.sigma_t, t) / pdf(t);
+    }
+    /// The same, weighted against the path's own collision.
     Color throughput(float t) const {
         return beta_ * point_.sigma_s * attenuation(point_.sigma_t, t) /
                (collision_pdf(t) + pdf(t));

@@ -8,6 +8,7 @@
 #include "core/render/sampling_integrator.h"
 #include "plugins/integrators/path_noise.h"
 #include "plugins/integrators/render_options.h"
+#include "plugins/integrators/specular_chain.h"
 
 #include <limits>
 #include <vector>
@@ -31,6 +32,9 @@ public:
               params.int32("emitter_samples", 0, {.min = 0, .max = 64},
                            "samples of lights at the first vertex; 0: what a few paths show to be "
                            "best")),
+          chain_(params.int32("specular_chain", -1, {.min = -1, .max = 64},
+                              "light samples of an environment follow up to so many mirrors and "
+                              "panes of glass; -1: what a few paths show to be best")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
@@ -55,8 +59,11 @@ private:
 
     /// A path on its way: the ray to the vertex that comes, and what is there.
     struct Path : TracedRay {
-        Path(CameraSample& s, std::uint32_t passes)
-            : TracedRay{s.ray}, sample(&s), light_samples(passes) {}
+        Path(CameraSample& s, const PathSplitting& splitting)
+            : TracedRay{s.ray},
+              sample(&s),
+              light_samples(static_cast<std::uint32_t>(splitting.light_samples)),
+              chain(splitting.chain) {}
 
         /// Radiance that arrives at the last vertex.
         void add(Color arriving) {
@@ -71,6 +78,7 @@ private:
         void go_straight(Color transmittance) {
             // Paths are shared from vertex to vertex, and nothing lies between.
             if (depth == 1 || (depth == 0 && transmittance != Color(1))) kept = nullptr;
+            chain.end();
             beta *= transmittance;
             beta_from_second *= transmittance;
             ray = hit->spawn_ray(ray.d);
@@ -80,6 +88,7 @@ private:
         std::uint32_t dimension = camera_dimensions;  ///< of the sample stream, at the next step
         std::uint32_t light_samples;                  ///< passes of light sampling at the next step
         PathVertex before;
+        SpecularChain chain;     ///< since the vertex before
         int depth = 0;           ///< vertices before the one that comes
         float seen_through = 1;  ///< of what lies before the first vertex
         Color beta{1};
@@ -97,37 +106,37 @@ private:
     using Paths = std::vector<Path*>;
 
     void trace(const Scene& scene, std::span<CameraSample> samples, std::span<ReusablePath> kept,
-               int light_samples) const;
+               const PathSplitting& splitting) const;
     bool arrive(const Scene& scene, Path& path) const;
     void add_found_light(const Scene& scene, Path& path) const;
     static void keep_vertex(Path& path);
+    Color arriving_radiance(const Scene& scene, const Path& path) const;
     void add_direct_light(const Scene& scene, const Paths& paths) const;
-    bool scatter(Path& path, int step) const;
+    bool scatter(const Scene& scene, Path& path, int step) const;
     static void leave_kept_vertex(Path& path, const BSDFSample& next);
     static bool survive(Path& path);
 
     int max_depth_;
     int rr_depth_;
-    int reuse_, emitter_samples_;
+    int reuse_, emitter_samples_, chain_;
     bool hide_emitters_;
     const LightSampler& light_sampler_;
     PathSplitting splitting_;
 };
 
 void PathIntegrator::prepare(const Scene& scene) {
-    splitting_ = {.light_samples = emitter_samples_, .block_size = reuse_};
+    splitting_ = {.light_samples = emitter_samples_, .block_size = reuse_, .chain = chain_};
     // Samplers of many draws make a path's own light good, and reuse dear.
     const std::uint32_t draws = light_sampler_.draws();
     if (max_depth_ <= 2 || draws == 0 || draws > 8) splitting_.block_size = 1;
     const bool one_pass = max_depth_ <= 1 || draws == 0 || draws > 8;
     if (emitter_samples_ == 0 && one_pass) splitting_.light_samples = 1;
-    if (splitting_.light_samples > 0 && splitting_.block_size > 0) return;
-    const PathNoise noise = PathNoiseMeter(scene).measure(
-        splitting_.light_samples,
-        [&](std::span<CameraSample> samples, std::span<ReusablePath> kept, int light_samples) {
-            trace(scene, samples, kept, light_samples);
-        });
-    splitting_ = best_splitting(noise, splitting_);
+    if (max_depth_ <= 2 || !may_light_chains(scene)) splitting_.chain = 0;
+    if (splitting_.light_samples > 0 && splitting_.block_size > 0 && splitting_.chain >= 0) return;
+    splitting_ = PathNoiseMeter(scene).find_best(
+        splitting_,
+        [&](std::span<CameraSample> samples, std::span<ReusablePath> kept,
+            const PathSplitting& splitting) { trace(scene, samples, kept, splitting); });
 }
 
 /// Adds what is emitted where the ray ends.
@@ -137,10 +146,10 @@ void PathIntegrator::add_found_light(const Scene& scene, Path& path) const {
         path.hit ? found_emission(scene, light_sampler_, path.before, *path.hit, -path.ray.d)
                  : found_environment(scene, light_sampler_, path.before, path.ray.d);
     // Emission that the second vertex sees is weighted for the direction the path came from.
-    if (path.depth > 2) {
-        path.add(found);
+    if (path.depth - path.chain.vertices() > 2) {
+        path.add(path.chain.weight() * found);
     } else {
-        path.sample->result.radiance += path.beta * found;
+        path.sample->result.radiance += path.chain.weight() * path.beta * found;
     }
 }
 
@@ -177,6 +186,20 @@ void PathIntegrator::keep_vertex(Path& path) {
     Interaction& at = path.depth == 0 ? kept.first_at : kept.second_at;
     at = *path.hit;
     (path.depth == 0 ? kept.first : kept.second).emplace(at, *at.shape->bsdf(), -path.ray.d);
+}
+
+/// What the shadow ray of a light sample leaves of its radiance, or what it finds behind mirrors
+/// and glass instead.
+Color PathIntegrator::arriving_radiance(const Scene& scene, const Path& path) const {
+    const LightSample& sample = path.light.sample;
+    const Color direct =
+        is_black(sample.radiance)
+            ? Color(0)
+            : sample.radiance * scene.transmittance(path.surface->receiver, sample);
+    const int longest = std::min(path.chain.longest(), max_depth_ - path.depth - 2);
+    const bool from_environment = !sample.delta && sample.distance == infinity;
+    if (longest <= 0 || !from_environment || !is_black(direct)) return direct;
+    return radiance_through_chain(scene, path.hit->spawn_ray(sample.wi), longest);
 }
 
 /// Light sampling at the vertices of all paths, then all shadow rays.
@@ -221,13 +244,13 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) co
         }
         for (Path* path : lit) {
             LightEstimate& light = path->light;
-            const Color arriving = scene.transmittance(path->surface->receiver, light.sample);
+            const Color arriving = arriving_radiance(scene, *path);
             if (is_black(arriving)) continue;
             if (path->depth == 1 && path->kept) {
-                light.sample.radiance *= arriving;
+                light.sample.radiance = arriving;
                 path->kept->lights.emplace_back(light);
             } else {
-                path->direct += ColorD(arriving * light.value / pass_count);
+                path->direct += ColorD(arriving * light.response / pass_count);
             }
         }
     }
@@ -236,7 +259,7 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) co
 
 /// Continues along a direction of the BSDF; false if the path ends. What is found straight through
 /// the surface is weighted against light sampling at the vertex before.
-bool PathIntegrator::scatter(Path& path, int step) const {
+bool PathIntegrator::scatter(const Scene& scene, Path& path, int step) const {
     const Interaction& at = *path.hit;
     const LitSurface& surface = *path.surface;
     const std::uint32_t light_samples = std::exchange(path.light_samples, 1);
@@ -252,6 +275,11 @@ bool PathIntegrator::scatter(Path& path, int step) const {
         path.beta *= sample.weight;
         path.beta_from_second *= sample.weight;
         path.eta2 *= sqr(sample.eta);
+        if (!sample.specular()) {
+            path.chain.begin();
+        } else {
+            path.chain.pass(scene, light_sampler_, path.before, path.ray.d, at);
+        }
         path.before.receiver = surface.receiver;
         path.before.pdf = sample.pdf;
         path.before.light_samples = static_cast<float>(light_samples);
@@ -291,12 +319,12 @@ bool PathIntegrator::survive(Path& path) {
 /// All paths step by step together: while one waits for memory, the others go on. What `kept`, if
 /// it is not empty, has for other pixels is not in the samples yet.
 void PathIntegrator::trace(const Scene& scene, std::span<CameraSample> samples,
-                           std::span<ReusablePath> kept, int light_samples) const {
+                           std::span<ReusablePath> kept, const PathSplitting& splitting) const {
     std::vector<Path> paths;
     paths.reserve(samples.size());
     Paths active;
     for (CameraSample& sample : samples) {
-        active.push_back(&paths.emplace_back(sample, static_cast<std::uint32_t>(light_samples)));
+        active.push_back(&paths.emplace_back(sample, splitting));
     }
     for (std::size_t i = 0; i < kept.size(); ++i) {
         kept[i].radiance = &samples[i].result.radiance;
@@ -307,14 +335,14 @@ void PathIntegrator::trace(const Scene& scene, std::span<CameraSample> samples,
         scene.intersect(rays);
         std::erase_if(active, [&](Path* path) { return !arrive(scene, *path); });
         add_direct_light(scene, active);
-        std::erase_if(active, [&](Path* path) { return !scatter(*path, step); });
+        std::erase_if(active, [&](Path* path) { return !scatter(scene, *path, step); });
     }
 }
 
 void PathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples) const {
     if (max_depth_ == 0) return;
     std::vector<ReusablePath> kept(splitting_.block_size > 1 ? samples.size() : 0);
-    trace(scene, samples, kept, splitting_.light_samples);
+    trace(scene, samples, kept, splitting_);
     for (std::size_t begin = 0, end = 0; begin < kept.size(); begin = end) {
         while (end < kept.size() && samples[end].block == samples[begin].block) ++end;
         reuse_paths(scene, std::span(kept).subspan(begin, end - begin));

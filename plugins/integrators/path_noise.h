@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How many light samples a path takes at its first vertex, and how many pixels share their paths:
-/// what a few paths show to be most efficient.
+/// How many light samples a path takes at its first vertex, how many pixels share their paths, and
+/// whether light samples follow specular chains: what a few paths show to be most efficient.
 ///
 /// With n light samples and blocks of m pixels, the variance and the time of a sample are about
 ///
@@ -10,13 +10,15 @@
 /// V_own is that of all light that is not shared, V_light its part from the choice of points on
 /// lights at the first vertex. Shared light gains less than m^−1, as the paths of a block have more
 /// in common than their second vertices: the exponent fits Cornell boxes, rooms and halls. Time is
-/// counted in rays, so that the choice does not depend on the machine.
+/// counted in rays, so that the choice does not depend on the machine. What chains change in V and
+/// T_path is only measured.
 #pragma once
 
 #include "core/base/parallel.h"
 #include "core/math/sequences.h"
 #include "core/scene/ray_statistics.h"
 #include "plugins/integrators/path_reuse.h"
+#include "plugins/integrators/specular_chain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,17 +48,19 @@ struct PathNoise {
 struct PathSplitting {
     int light_samples = 1;  ///< at the first vertex
     int block_size = 1;     ///< pixels along each side
+    int chain = 0;          ///< longest specular chain that light samples follow (specular_chain.h)
 };
 
-/// The most efficient combination; numbers of `given` that are not 0 stay.
+/// The most efficient combination for one length of chains; numbers of `given` that are not 0 stay.
 inline PathSplitting best_splitting(const PathNoise& noise, PathSplitting given) {
-    PathSplitting best{.light_samples = 1, .block_size = 1};
+    PathSplitting best{.light_samples = 1, .block_size = 1, .chain = given.chain};
     double least = std::numeric_limits<double>::infinity();
     for (const int light_samples : {1, 2, 4, 8}) {
         for (const int block_size : {1, 4, 8}) {
             const PathSplitting tried{
                 .light_samples = given.light_samples ? given.light_samples : light_samples,
-                .block_size = given.block_size ? given.block_size : block_size};
+                .block_size = given.block_size ? given.block_size : block_size,
+                .chain = given.chain};
             const double value = noise.inefficiency(tried.light_samples, tried.block_size);
             if (!(value < least)) continue;
             least = value;
@@ -71,16 +75,27 @@ class PathNoiseMeter {
 public:
     explicit PathNoiseMeter(const Scene& scene) : scene_(scene) {}
 
-    /// `trace(samples, kept, light_samples)` fills the samples with what is not shared. With
-    /// `light_samples`, a number that is given, the part of the lights is not asked for.
+    /// `trace(samples, kept, splitting)` fills the samples with what is not shared. What is given
+    /// is not varied: light samples and a block above 0, a chain of 0 or more.
     template <typename Trace>
-    PathNoise measure(int light_samples, Trace&& trace) const {
-        if (light_samples > 0) return measure_with(light_samples, trace);
-        PathNoise noise = measure_with(1, trace);
-        constexpr int several = 4;
-        const PathNoise other = measure_with(several, trace);
-        noise.light = std::clamp((noise.own - other.own) / (1 - 1.0 / several), 0.0, noise.own);
-        return noise;
+    PathSplitting find_best(PathSplitting given, Trace&& trace) const {
+        PathSplitting one{.light_samples = std::max(given.light_samples, 1),
+                          .chain = std::max(given.chain, 0)};
+        PathNoise noise = measure(one, trace);
+        if (given.chain < 0) {
+            one.chain = usual_chain;
+            const PathNoise other = measure(one, trace);
+            const bool pays = other.inefficiency(1, 1) < noise.inefficiency(1, 1);
+            if (pays) noise = other;
+            given.chain = one.chain = pays ? usual_chain : 0;
+        }
+        if (given.light_samples == 0) {
+            constexpr int several = 4;
+            const PathNoise other =
+                measure({.light_samples = several, .chain = given.chain}, trace);
+            noise.light = std::clamp((noise.own - other.own) / (1 - 1.0 / several), 0.0, noise.own);
+        }
+        return best_splitting(noise, given);
     }
 
 private:
@@ -98,7 +113,7 @@ private:
     };
 
     template <typename Trace>
-    PathNoise measure_with(int light_samples, Trace&& trace) const;
+    PathNoise measure(const PathSplitting& splitting, Trace&& trace) const;
     std::vector<CameraSample> camera_samples(std::uint32_t pixel, std::uint32_t sequence) const;
     static PathNoise summary(std::span<const Pixel> pixels);
 
@@ -121,12 +136,12 @@ inline std::vector<CameraSample> PathNoiseMeter::camera_samples(std::uint32_t pi
 }
 
 template <typename Trace>
-PathNoise PathNoiseMeter::measure_with(int light_samples, Trace&& trace) const {
+PathNoise PathNoiseMeter::measure(const PathSplitting& splitting, Trace&& trace) const {
     std::vector<Pixel> pixels(pixel_count);
     const auto sums = [&](std::uint32_t pixel, std::uint32_t sequence) {
         std::vector<CameraSample> samples = camera_samples(pixel, sequence);
         std::vector<ReusablePath> kept(samples.size());
-        trace(std::span(samples), std::span(kept), light_samples);
+        trace(std::span(samples), std::span(kept), splitting);
         const auto sum = [&] {
             double total = 0;
             for (const CameraSample& s : samples) {

@@ -13,6 +13,7 @@
 /// which is unbiased: hidden x_k, those that see the other side of y, and delta lobes take no part.
 #pragma once
 
+#include "core/base/vectorized.h"
 #include "plugins/integrators/block_edges.h"
 #include "plugins/integrators/light_sampling.h"
 

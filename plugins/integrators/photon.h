@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One photon where it met a surface, in 32 bytes.
+/// One photon where it met a surface or was scattered by a medium, in 32 bytes.
 #pragma once
 
 #include "core/math/four_floats.h"
@@ -52,12 +52,14 @@ inline Vector3 decode_direction(std::uint32_t code, int bits) {
     return glm::normalize(w);
 }
 
-/// Power that arrives at a point from one direction, before the surface has taken any of it.
+/// Power that arrives at a point of a surface from one direction, before the surface has taken any
+/// of it; or that a point of a medium scatters, after the medium has absorbed its share.
 class Photon {
 public:
     Photon() = default;
-    /// `w` leads back to where it came from; `n` is the geometric normal on that side; `depth` is
-    /// the number of edges of its path, 1 for a photon that comes from the light itself.
+    /// `w` leads back to where it came from; `n` is the geometric normal on that side, or any
+    /// direction in a medium; `depth` is the number of edges of its path, 1 for a photon that comes
+    /// from the light itself.
     Photon(Vector3 p, Color power, Vector3 w, Vector3 n, int depth) : p_(p), power_(power) {
         std::tie(direction_, normal_) = encode_directions(w, 16, n, 12);
         normal_ |= static_cast<std::uint32_t>(std::min(depth, 255)) << 24;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The part of a camera path that photon mapping leaves to ray tracing: through mirrors, glass and
-/// glossy surfaces, up to the first one that stores photons.
+/// The part of a camera path that photon mapping leaves to ray tracing: through media, mirrors,
+/// glass and glossy surfaces, up to the first one that stores photons.
 ///
 /// Each path of light is found in one way only. Between the camera and that surface it is traced,
 /// as by `path`; from there to the light it belongs to the photons, or to light sampling.
 #pragma once
 
-#include "plugins/integrators/light_sampling.h"
-#include "plugins/integrators/photon_tracing.h"
+#include "plugins/integrators/photon_media.h"
+#include "plugins/integrators/photon_storing.h"
 
 namespace lucerna {
 
@@ -28,6 +28,26 @@ struct PathLimits {
     int max_depth, rr_depth;
 };
 
+/// Where light is gathered on a path from the camera.
+struct GatherPoint {
+    const Interaction& at;  ///< stores photons
+    Vector3 wo;
+    int edges;                ///< of the path
+    const Medium* medium;     ///< through which it has come
+    std::optional<Rng>& rng;  ///< for media; empty if the scene has none
+};
+
+/// Direct light at a surface towards wo, by light sampling alone if `bsdf_samples` is 0.
+inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
+                           const GatherPoint& point, float bsdf_samples, SampleStream& stream) {
+    const BSDF& bsdf = *point.at.shape->bsdf();
+    if (!point.rng) {
+        return sample_lights(scene, sampler, bsdf, point.at, point.wo, 1, bsdf_samples, stream);
+    }
+    const LitSurface surface(point.at, bsdf, point.wo);
+    return sample_lights(scene, sampler, surface, point.medium, bsdf_samples, *point.rng, stream);
+}
+
 class CameraPathTracer {
 public:
     struct Settings {
@@ -35,7 +55,8 @@ public:
         bool hide_emitters = false;  ///< from the camera, not from mirrors
         bool lights = true;          ///< false: returns only what is gathered
         std::uint32_t gather_dimensions =
-            0;  ///< numbers that the callback takes, if not for lights
+            0;                              ///< numbers that the callback takes, if not for lights
+        const MediumView* media = nullptr;  ///< if the scene has any
     };
 
     CameraPathTracer(const Scene& scene, const LightSampler& light_sampler,
@@ -44,10 +65,10 @@ public:
           light_sampler_(light_sampler),
           settings_(settings),
           dimensions_(bsdf_dimensions + light_dimensions(light_sampler) +
-                      settings.gather_dimensions) {}
+                      settings.gather_dimensions + (settings.media ? medium_dimensions : 0)) {}
 
-    /// Fills a camera sample. gather(at, wo, edges) returns the radiance that leaves `at`, which
-    /// stores photons, towards `wo`, after so many edges; it may take numbers of the stream.
+    /// Fills a camera sample. gather(GatherPoint) returns the radiance that leaves the point, which
+    /// stores photons, towards `wo`; it may take numbers of the stream.
     template <typename Gather>
     void operator()(const Ray& ray, SampleStream& stream, PixelSample& result,
                     Gather&& gather) const;
@@ -61,18 +82,45 @@ private:
         float seen_through = 1;  ///< of what lies before the first vertex
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
         int edges = 1;   ///< from vertex to vertex: what is gone straight through is none
+        // In scenes with media alone:
+        const Medium* medium = nullptr;  ///< in which the ray starts
+        std::optional<Rng> rng{};
+        Vector2 u_line{0};  ///< where light is sampled
     };
 
+    void draw_numbers(Path& path, SampleStream& stream) const;
+    bool cross_medium(Path& path, PixelSample& result) const;
     bool arrive(Path& path, PixelSample& result) const;
 
     static constexpr std::uint32_t camera_dimensions = 4;
-    static constexpr std::uint32_t bsdf_dimensions = 4;  // direction, lobe and roulette
+    static constexpr std::uint32_t bsdf_dimensions = 4;    // direction, lobe and roulette
+    static constexpr std::uint32_t medium_dimensions = 4;  // place of direct light and seed
 
     const Scene& scene_;
     const LightSampler& light_sampler_;
     Settings settings_;
     std::uint32_t dimensions_;
 };
+
+/// Of a step, for media.
+inline void CameraPathTracer::draw_numbers(Path& path, SampleStream& stream) const {
+    path.u_line = stream.next_2d();
+    const Vector2 seed = stream.next_2d();
+    path.rng.emplace(hash64({static_cast<std::uint64_t>(seed.x * 0x1p24f),
+                             static_cast<std::uint64_t>(seed.y * 0x1p24f)}));
+}
+
+/// Adds what the medium sends along the ray; false if it lets nothing through.
+inline bool CameraPathTracer::cross_medium(Path& path, PixelSample& result) const {
+    const MediumSegment way{path.medium, path.ray.o, path.ray.d, path.hit ? path.hit->t : infinity};
+    const MediumPath through =
+        settings_.media->cross(way, path.beta, path.edges, path.u_line, *path.rng);
+    result.radiance += through.radiance;
+    if (path.edges == 1) path.seen_through *= luminance(through.beta) / luminance(path.beta);
+    path.beta = through.beta;
+    path.u_line = path.rng->next_float2();  // for what comes behind a surface that is no vertex
+    return !is_black(path.beta);
+}
 
 /// Follows the ray to the next surface that scatters, adding what is emitted on the way; false if
 /// there is none. Emitters that are hidden are none. After the last edge that is allowed, only
@@ -81,7 +129,10 @@ inline bool CameraPathTracer::arrive(Path& path, PixelSample& result) const {
     const bool hidden = path.edges == 1 && settings_.hide_emitters;
     const bool show = settings_.lights && !hidden;
     const Vector3 d = path.ray.d;
-    while ((path.hit = scene_.intersect(path.ray))) {
+    while (true) {
+        path.hit = scene_.intersect(path.ray);
+        if (path.medium && !cross_medium(path, result)) return false;
+        if (!path.hit) break;
         const Interaction& at = *path.hit;
         if (show) {
             result.radiance +=
@@ -94,6 +145,7 @@ inline bool CameraPathTracer::arrive(Path& path, PixelSample& result) const {
         path.beta *= through;
         path.seen_through *= luminance(through);
         path.ray = at.spawn_ray(d);
+        if (settings_.media) path.medium = medium_beyond(at, d, path.medium);
     }
     if (show) {
         result.radiance += path.beta * found_environment(scene_, light_sampler_, path.vertex, d);
@@ -110,20 +162,23 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
                                   Gather&& gather) const {
     if (settings_.max_depth == 0) return;
     Path path{.ray = ray};
-    for (std::uint32_t step = 0; arrive(path, result); ++step) {
+    if (settings_.media) path.medium = scene_.sensor().medium();
+    for (std::uint32_t step = 0;; ++step) {
+        stream.jump_to(camera_dimensions + step * dimensions_);
+        if (settings_.media) draw_numbers(path, stream);
+        if (!arrive(path, result)) return;
         const Interaction& at = *path.hit;
         const Vector3 wo = -path.ray.d;
-        stream.jump_to(camera_dimensions + step * dimensions_);
         const Vector2 u_direction = stream.next_2d();
         const Vector2 u_lobe_and_roulette = stream.next_2d();
         const BSDF& bsdf = *at.shape->bsdf();
         const bool gathers = stores_photons(bsdf);
+        const GatherPoint point{at, wo, path.edges, path.medium, path.rng};
         if (gathers) {
-            result.radiance += path.beta * gather(at, wo, path.edges);
+            result.radiance += path.beta * gather(point);
             if (!any(bsdf.lobes() & delta_lobes)) return;
         } else if (settings_.lights) {
-            result.radiance +=
-                path.beta * sample_lights(scene_, light_sampler_, bsdf, at, wo, 1, 1, stream);
+            result.radiance += path.beta * sample_lights(scene_, light_sampler_, point, 1, stream);
         }
         const std::optional<ScatteredRay> next =
             scatter(at, wo, u_lobe_and_roulette.x, u_direction);
@@ -133,6 +188,7 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
         path.beta *= sample.weight;
         path.eta2 *= sqr(sample.eta);
         path.ray = next->ray;
+        if (settings_.media) path.medium = medium_beyond(at, path.ray.d, path.medium);
         if (sample.lobe != Lobe::null) {
             path.vertex = {.receiver = at.receiver(wo, bsdf.sides()),
                            .pdf = sample.pdf,

@@ -30,17 +30,20 @@ public:
     template <typename Visit>
     void search(Vector3 p, float& radius2, Visit&& visit) const;
 
-private:
+    /// Photons of a leaf, but for the last one, which may have fewer.
     static constexpr std::uint32_t block = 8;
-    struct Split {
-        float position = 0;
-        int axis = 0;
-    };
-    /// Blocks begin, …, end − 1.
+    /// A node: blocks begin, …, end − 1.
     struct Range {
         std::uint32_t begin, end;
         bool leaf() const { return end - begin <= 1; }
         std::uint32_t middle() const { return begin + (end - begin) / 2; }
+    };
+    Range root() const { return {0, static_cast<std::uint32_t>(splits_.size())}; }
+
+private:
+    struct Split {
+        float position = 0;
+        int axis = 0;
     };
 
     void split(Range range);
@@ -107,7 +110,7 @@ void PhotonKdTree::search(Vector3 p, float& radius2, Visit&& visit) const {
     };
     Pending stack[32];
     int size = 0;
-    Pending node{{0, static_cast<std::uint32_t>(splits_.size())}, Vector3(0), 0};
+    Pending node{root(), Vector3(0), 0};
     while (true) {
         while (!node.range.leaf()) {
             const std::uint32_t middle = node.range.middle();

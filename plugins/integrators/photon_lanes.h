@@ -2,6 +2,7 @@
 /// Photons that one material scatters together.
 #pragma once
 
+#include "core/base/vectorized.h"
 #include "core/interfaces/batch/lanes.h"
 #include "core/math/select.h"
 

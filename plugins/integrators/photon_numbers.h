@@ -122,6 +122,9 @@ public:
         return {u.x, u.y, halves(first ? point_[2] : independent[1])};
     }
 
+    /// For a generator of its own.
+    std::uint64_t seed() { return mix64(state_ += step); }
+
     static constexpr std::uint64_t step = 0x9e3779b97f4a7c15u;  // 2⁶⁴ / golden ratio
 
 private:

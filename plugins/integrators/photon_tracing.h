@@ -6,141 +6,24 @@
 #pragma once
 
 #include "core/base/error.h"
-#include "core/interfaces/bsdf.h"
 #include "core/render/render_job.h"
+#include "core/scene/medium_tracking.h"
 #include "core/scene/scene.h"
-#include "plugins/integrators/photon.h"
+#include "plugins/integrators/medium_around.h"
+#include "plugins/integrators/photon_emission.h"
 #include "plugins/integrators/photon_lanes.h"
 #include "plugins/integrators/photon_numbers.h"
+#include "plugins/integrators/photon_pass.h"
 
 #include <fmt/format.h>
 
 #include <array>
 #include <cstddef>
-#include <functional>
+#include <optional>
+#include <type_traits>
 #include <vector>
 
 namespace lucerna {
-
-/// How light came to a point.
-enum class PhotonKind : unsigned {
-    direct = 1,    ///< from the light itself: L D
-    caustic = 2,   ///< by specular or glossy surfaces only: L S+ D
-    indirect = 4,  ///< all else
-};
-using PhotonKinds = unsigned;
-
-inline PhotonKinds operator|(PhotonKind a, PhotonKind b) {
-    return static_cast<unsigned>(a) | static_cast<unsigned>(b);
-}
-inline bool includes(PhotonKinds kinds, PhotonKind kind) {
-    return (kinds & static_cast<unsigned>(kind)) != 0;
-}
-
-/// Photons are stored on surfaces that have a diffuse lobe. All others, mirrors or glossy, are
-/// followed: density there would have to be enormous.
-inline bool stores_photons(const BSDF& bsdf) {
-    return any(bsdf.lobes() & (Lobe::diffuse_reflection | Lobe::diffuse_transmission));
-}
-
-/// True if some surface can make caustics: then they are worth a map of their own.
-inline bool has_caustics(std::span<const Shape* const> shapes) {
-    return std::any_of(shapes.begin(), shapes.end(), [](const Shape* shape) {
-        if (const BSDF* bsdf = shape->bsdf()) {
-            const Lobe lobes = bsdf->lobes();
-            return any(lobes & specular_lobes) ||
-                   (any(lobes & smooth_lobes) && !stores_photons(*bsdf));
-        }
-        const Geometry geometry = shape->geometry();
-        const auto* instance = std::get_if<InstanceGeometry>(&geometry);
-        if (!instance) return false;
-        return has_caustics(std::get<GroupGeometry>(instance->group->geometry()).shapes);
-    });
-}
-
-/// Where all power went, in luminance [W], times the number of photons emitted. Roulette makes
-/// `absorbed` a difference of estimates: single terms may be negative.
-struct PhotonEnergy {
-    double emitted = 0;
-    double escaped = 0;   ///< left the scene
-    double absorbed = 0;  ///< by surfaces
-    double cut = 0;       ///< on paths that reached max_depth
-    double stored = 0;    ///< arrived where a photon was stored; may well travel on
-
-    PhotonEnergy& operator+=(const PhotonEnergy& o) {
-        emitted += o.emitted;
-        escaped += o.escaped;
-        absorbed += o.absorbed;
-        cut += o.cut;
-        stored += o.stored;
-        return *this;
-    }
-};
-
-/// MixtureWeights photons among the lights by systematic sampling: of n photons each light with the
-/// fraction p of the power emits ⌊n p⌋ or ⌈n p⌉, n p on average. They are numbered light by light.
-class PhotonEmission {
-public:
-    explicit PhotonEmission(const Scene& scene) {
-        double total = 0;
-        cdf_.reserve(scene.lights().size() + 1);
-        cdf_.push_back(0);
-        for (const Light& light : scene.lights()) {
-            total += light.emitter->bounds(light).power;
-            cdf_.push_back(total);
-        }
-        for (double& x : cdf_) x = total > 0 ? x / total : 0;
-        // Rounding must not give a photon to lights without power that come last.
-        while (cdf_.size() > 1 && cdf_[cdf_.size() - 2] == cdf_.back()) cdf_.pop_back();
-    }
-
-    /// No light has power.
-    bool dark() const { return cdf_.size() == 1; }
-
-    struct Choice {
-        std::uint32_t light;
-        double pmf;           ///< expected share of the photons
-        std::uint64_t index;  ///< of the photon among those of its light
-        std::uint64_t left;   ///< photons that the light has still to emit, with this one
-    };
-    /// For photon j of `count`; `offset` in [0, 1) is the same for all of them.
-    Choice choose(std::uint64_t j, std::uint64_t count, double offset) const {
-        const auto first = [&](double cdf) {
-            const double at = cdf * static_cast<double>(count) - offset;
-            return at > 0 ? static_cast<std::uint64_t>(std::ceil(at)) : 0;
-        };
-        const auto next = std::partition_point(cdf_.begin() + 1, cdf_.end() - 1,
-                                               [&](double cdf) { return first(cdf) <= j; });
-        const double begin = *(next - 1), end = *next;
-        return {.light = static_cast<std::uint32_t>(next - cdf_.begin() - 1),
-                .pmf = end - begin,
-                .index = j - first(begin),
-                .left = (next == cdf_.end() - 1 ? count : first(end)) - j};
-    }
-
-private:
-    std::vector<double> cdf_;  ///< before each light, and after the last that has power
-};
-
-/// What a pass of photons is.
-struct PhotonPass {
-    std::uint64_t key = 0;    ///< of its random numbers
-    std::uint64_t count = 0;  ///< of photons that are emitted, at least 1
-    int max_depth = 0;        ///< edges of the longest path
-    int rr_depth = 1;         ///< edges before roulette may end a path
-    PhotonKinds kinds = 0;    ///< that are visited
-};
-
-/// A photon that arrives at a surface.
-struct PhotonHit {
-    const Interaction& at;
-    Vector3 w;             ///< unit, back to where it came from
-    Color power;           ///< [W], to be divided by PhotonPass::count
-    std::uint64_t photon;  ///< of the pass
-    int depth;             ///< edges of its path
-    PhotonKind kind;
-    bool stored;  ///< the surface is one that keeps photons
-};
 
 /// The fault is the scene's, though only the render shows it.
 [[noreturn]] inline void refuse_scene(const std::string& message) {
@@ -151,12 +34,15 @@ struct PhotonHit {
 
 class PhotonTracer {
 public:
-    explicit PhotonTracer(const Scene& scene) : scene_(scene), emission_(scene) {}
+    explicit PhotonTracer(const Scene& scene) : scene_(scene), emission_(scene) {
+        if (scene.has_media()) media_.emplace(scene);
+    }
 
     bool dark() const { return emission_.dark(); }
 
     /// Follows the photons begin … end − 1 and calls visit(PhotonHit) wherever one meets a surface,
-    /// on which it may or may not be stored, by one of the ways in `pass.kinds`. Throws SceneError
+    /// on which it may or may not be stored, by one of the ways in `pass.kinds`; and
+    /// visit(MediumHit), if that can be called, wherever a medium scatters one. Throws SceneError
     /// if a power is not finite.
     template <typename Visit>
     void trace(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end, PhotonEnergy& energy,
@@ -169,8 +55,9 @@ private:
         PhotonNumbers numbers;
         Color power{0};
         PhotonKind kind = PhotonKind::direct;
-        int surfaces = 0;  ///< that it has met
+        int surfaces = 0;  ///< that it has met; scattering by a medium is counted, too
         int depth = 0;     ///< edges so far: what it goes straight through does not end one
+        const Medium* medium = nullptr;  ///< in which it is; unknown before the first surface
     };
     /// Photons at surfaces of the same material, which scatters them together.
     struct MaterialQueue {
@@ -213,6 +100,12 @@ private:
     std::uint64_t emit(const PhotonPass& pass, std::uint64_t begin, std::uint64_t end,
                        PhotonEnergy& energy, Wavefront& wavefront) const;
     template <typename Visit>
+    bool cross_medium(const PhotonPass& pass, PhotonPath& path, PhotonEnergy& energy,
+                      Wavefront& wavefront, Visit& visit) const;
+    void arrive_from_infinity(PhotonPath& path, PhotonEnergy& energy) const;
+    void scatter_in_medium(const PhotonPass& pass, PhotonPath& path, const MediumHit& hit, Rng& rng,
+                           Color arriving, PhotonEnergy& energy, Wavefront& wavefront) const;
+    template <typename Visit>
     void arrive(const PhotonPass& pass, PhotonPath& path, PhotonEnergy& energy,
                 Wavefront& wavefront, Visit& visit) const;
     void scatter(const PhotonPass& pass, MaterialQueue& queue, PhotonEnergy& energy,
@@ -222,6 +115,7 @@ private:
 
     const Scene& scene_;
     PhotonEmission emission_;
+    std::optional<MediumAround> media_;  ///< if the scene has any
 };
 
 /// As soon as a path has ended the next one starts.
@@ -236,7 +130,10 @@ void PhotonTracer::trace(const PhotonPass& pass, std::uint64_t begin, std::uint6
         scene_.intersect(wavefront.rays);
         std::swap(wavefront.flying, wavefront.landed);
         wavefront.flying.clear();
-        for (PhotonPath* path : wavefront.landed) arrive(pass, *path, energy, wavefront, visit);
+        for (PhotonPath* path : wavefront.landed) {
+            if (media_ && cross_medium(pass, *path, energy, wavefront, visit)) continue;
+            arrive(pass, *path, energy, wavefront, visit);
+        }
         for (MaterialQueue& queue : wavefront.queues) scatter(pass, queue, energy, wavefront);
         wavefront.queues.clear();
     }
@@ -275,9 +172,82 @@ inline std::uint64_t PhotonTracer::emit(const PhotonPass& pass, std::uint64_t be
         path.surfaces = path.depth = 0;
         if (!is_finite(path.power)) refuse_emission(choice.light, path.ray.o);
         energy.emitted += static_cast<double>(luminance(path.power));
+        if (media_ && light.emitter->infinite()) arrive_from_infinity(path, energy);
         (is_black(path.power) ? wavefront.idle : wavefront.flying).push_back(&path);
     }
     return begin + count;
+}
+
+/// A medium without end lets no light through from infinity, unless it thins out.
+inline void PhotonTracer::arrive_from_infinity(PhotonPath& path, PhotonEnergy& energy) const {
+    const Color before = path.power;
+    Rng rng(path.numbers.seed());
+    path.power *= transmittance({media_->outermost(), path.ray.o, -path.ray.d, infinity}, rng);
+    energy.absorbed += static_cast<double>(luminance(before) - luminance(path.power));
+}
+
+/// Up to where the ray ends, or to where a medium scatters the photon: true, and it goes on from
+/// there. True as well if it is absorbed. Roulette takes part of the photons instead of part of
+/// their power, as at surfaces.
+template <typename Visit>
+bool PhotonTracer::cross_medium(const PhotonPass& pass, PhotonPath& path, PhotonEnergy& energy,
+                                Wavefront& wavefront, Visit& visit) const {
+    if (path.surfaces == 0) path.medium = media_->find(path.ray, path.hit);
+    if (!path.medium) return false;
+    Rng rng(path.numbers.seed());
+    const Color before = path.power;
+    MediumPath through{.beta = before};
+    const Vector2 u = rng.next_float2();
+    const bool scattered =
+        sample_collision({path.medium, path.ray.o, path.ray.d, path.hit ? path.hit->t : infinity},
+                         true, u, rng, through);
+    const Vector3 p = path.ray.o + through.t * path.ray.d;
+    if (!is_finite(through.beta)) refuse_scattering(p);
+    if (scattered) {
+        ++path.surfaces;
+        ++path.depth;
+        const MediumHit hit{.p = p,
+                            .medium = *path.medium,
+                            .w = -path.ray.d,
+                            .power = through.beta,
+                            .depth = path.depth,
+                            .kind = path.kind};
+        if constexpr (std::is_invocable_v<Visit&, const MediumHit&>) {
+            if (includes(pass.kinds, path.kind)) visit(hit);
+        }
+        scatter_in_medium(pass, path, hit, rng, before, energy, wavefront);
+        return true;
+    }
+    const bool roulette = path.surfaces + 1 >= pass.rr_depth;
+    const float ratio = max_component(through.beta) / max_component(before);
+    const float survival = roulette ? std::min(ratio, 1.0f) : 1.0f;
+    const bool survives = rng.next_float() < survival && !is_black(through.beta);
+    path.power = survives ? through.beta / survival : Color(0);
+    energy.absorbed += static_cast<double>(luminance(before) - luminance(path.power));
+    if (!survives) wavefront.idle.push_back(&path);
+    return !survives;
+}
+
+/// Lets the medium turn a photon, or end it. `arriving` is its power before the flight.
+inline void PhotonTracer::scatter_in_medium(const PhotonPass& pass, PhotonPath& path,
+                                            const MediumHit& hit, Rng& rng, Color arriving,
+                                            PhotonEnergy& energy, Wavefront& wavefront) const {
+    const float u_lobe = rng.next_float();
+    const PhaseSample next = hit.medium.phase().sample(hit.p, hit.w, u_lobe, rng.next_float2());
+    const Color after = hit.power * next.weight;
+    if (!is_finite(after)) refuse_scattering(hit.p);
+    const float most = most_survival(pass, path.surfaces);
+    const float ratio = max_component(after) / max_component(arriving);
+    const float survival = most > 1 ? 1.0f : std::min(ratio, most);
+    const bool survives = rng.next_float() < survival && !is_black(after);
+    path.power = survives ? after / survival : Color(0);
+    const double leaving = static_cast<double>(luminance(path.power));
+    energy.absorbed += static_cast<double>(luminance(arriving)) - leaving;
+    path.kind = PhotonKind::indirect;
+    path.ray = {.o = hit.p, .d = next.wi};
+    const bool goes_on = survives && includes(pass.kinds, path.kind) && path.depth < pass.max_depth;
+    if (!goes_on) energy.cut += leaving;
+    (goes_on ? wavefront.flying : wavefront.idle).push_back(&path);
 }
 
 /// What happens where the ray ends. If that is on a surface, the path waits there for others.
@@ -343,6 +313,7 @@ inline void PhotonTracer::scatter(const PhotonPass& pass, MaterialQueue& queue,
         energy.cut += static_cast<double>(select(goes_on, 0, lanes.leaving[i]));
         path.power = lanes.left[i];
         path.ray = {.o = lanes.o[i], .d = lanes.wi[i], .source = at[i]->source};
+        if (media_) path.medium = medium_beyond(*at[i], path.ray.d, path.medium);
         (goes_on ? wavefront.flying : wavefront.idle).push_back(&path);
     }
     queue.count = 0;
@@ -362,62 +333,6 @@ inline void PhotonTracer::refuse_scattering(Vector3 at) const {
         fmt::format("a photon that is scattered at ({:g}, {:g}, {:g}) has a power that is "
                     "not finite",
                     p.x, p.y, p.z));
-}
-
-/// The result of many photons, in their order whatever the number of threads.
-struct StoredPhotons {
-    std::vector<Photon> photons;
-    PhotonEnergy energy;
-    double emitted = 0;  ///< number of photons that left the lights
-
-    void append(const StoredPhotons& other) {
-        photons.insert(photons.end(), other.photons.begin(), other.photons.end());
-        energy += other.energy;
-    }
-};
-
-/// Traces photons begin … end − 1 of a pass and stores those that come to matte surfaces.
-inline void store_photons(const PhotonTracer& tracer, const PhotonPass& pass, std::uint64_t begin,
-                          std::uint64_t end, StoredPhotons& result) {
-    tracer.trace(pass, begin, end, result.energy, [&](const PhotonHit& hit) {
-        if (!hit.stored) return;
-        const float side = std::copysign(1.0f, glm::dot(hit.w, hit.at.n));
-        result.photons.emplace_back(hit.at.p, hit.power, hit.w, side * hit.at.n, hit.depth);
-        result.energy.stored += static_cast<double>(luminance(hit.power));
-    });
-}
-
-/// Traces a pass in parallel and appends its photons to `result`. Ends early if `interrupted`.
-///
-/// Each task fills a chunk of its own. While a batch of chunks is traced, the batch before is
-/// appended, so that no thread waits for it; batches bound what is held twice, and their memory
-/// serves again.
-inline void store_photons(const PhotonTracer& tracer, const PhotonPass& pass,
-                          const Workers& workers, const std::function<bool()>& interrupted,
-                          StoredPhotons& result) {
-    constexpr std::uint64_t chunk_size = 512, batch_size = 128;
-    std::vector<StoredPhotons> batch(batch_size), before(batch_size);
-    const auto append = [&] {
-        for (StoredPhotons& chunk : before) {
-            result.append(chunk);
-            chunk.photons.clear();
-            chunk.energy = {};
-        }
-    };
-    for (std::uint64_t first = 0; first < pass.count; first += batch_size * chunk_size) {
-        const std::uint64_t end = std::min(first + batch_size * chunk_size, pass.count);
-        const std::uint64_t chunks = (end - first + chunk_size - 1) / chunk_size;
-        workers.run(static_cast<std::int64_t>(1 + chunks), [&](std::int64_t task) {
-            if (task == 0) return append();
-            if (interrupted()) return;
-            const auto c = static_cast<std::uint64_t>(task - 1);
-            const std::uint64_t begin = first + c * chunk_size;
-            store_photons(tracer, pass, begin, std::min(begin + chunk_size, end), batch[c]);
-        });
-        std::swap(batch, before);
-    }
-    append();
-    result.emitted += static_cast<double>(pass.count);
 }
 
 }  // namespace lucerna

@@ -6,7 +6,9 @@
 ///
 ///     r_i² = r_0² ∏ (j + α) / (j + 1)  for j = 1 … i,
 ///
-/// so variance falls as i^−α and bias as i^(α−1); their sum is least for α = 2/3. Passes know
+/// so variance falls as i^−α and bias as i^(α−1); their sum is least for α = 2/3. Photons in media
+/// have the same radius: the beam estimate blurs in two dimensions, too (Jarosz et al. 2011,
+/// "Progressive Photon Beams"; Knaus and Zwicker 2011, 5). Passes know
 /// nothing of each other: they can be split over machines, and merged, as samples of any render.
 #include "plugins/integrators/photon_camera.h"
 #include "plugins/integrators/photon_estimate.h"
@@ -49,11 +51,18 @@ public:
         params.no_effect("granularity", "photons are dealt out evenly");
     }
 
+    bool renders_media() const override { return true; }
     int light_bounces() const override { return 1; }  // off glossy surfaces
     void render(RenderJob& job) const override;
 
 private:
-    PhotonMap photons(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index) const;
+    struct Maps {
+        PhotonMap surfaces;
+        BeamMap media;
+    };
+
+    Maps photons(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index) const;
+    void sample(RenderJob& job, std::uint64_t index, const Maps& maps) const;
     float first_radius(const RenderJob& job) const;
 
     PathLimits limits_;
@@ -73,14 +82,15 @@ float SPPMIntegrator::first_radius(const RenderJob& job) const {
     return 5 * (radius > 0 ? radius : 1) / static_cast<float>(std::max(size.x, size.y));
 }
 
-/// The map of pass `index`, of all that light sampling does not find.
-PhotonMap SPPMIntegrator::photons(const RenderJob& job, const PhotonTracer& tracer,
-                                  std::uint64_t index) const {
+/// The maps of pass `index`, of all that light sampling does not find.
+SPPMIntegrator::Maps SPPMIntegrator::photons(const RenderJob& job, const PhotonTracer& tracer,
+                                             std::uint64_t index) const {
     const PhotonPass pass{.key = hash64({job.seed(), index, 0x5bb3}),
                           .count = static_cast<std::uint64_t>(photons_),
                           .max_depth = limits_.max_depth - 1,
                           .rr_depth = limits_.rr_depth,
-                          .kinds = PhotonKind::caustic | PhotonKind::indirect};
+                          .kinds = PhotonKind::caustic | PhotonKind::indirect,
+                          .in_media = has_scattering_media(job.scene())};
     StoredPhotons stored;
     if (!tracer.dark()) {
         store_photons(
@@ -88,30 +98,45 @@ PhotonMap SPPMIntegrator::photons(const RenderJob& job, const PhotonTracer& trac
     }
     const double radius2 = sqr(static_cast<double>(first_radius(job))) *
                            radius2_factor(index, static_cast<double>(alpha_));
-    return PhotonMap(std::move(stored.photons), stored.emitted, structure_,
-                     static_cast<float>(std::sqrt(radius2)), job.workers());
+    const float radius = static_cast<float>(std::sqrt(radius2));
+    return {PhotonMap(std::move(stored.photons), stored.emitted, structure_, radius, job.workers()),
+            BeamMap(std::move(stored.in_media), stored.emitted, radius, 0, job.workers())};
+}
+
+/// Sample `index` of every pixel.
+void SPPMIntegrator::sample(RenderJob& job, std::uint64_t index, const Maps& maps) const {
+    const Scene& scene = job.scene();
+    const PhotonLookup lookup{.filter = filter_};
+    std::optional<MediumView> media;
+    if (scene.has_media()) {
+        media.emplace(scene, light_sampler_,
+                      MediumView::Settings{.max_depth = limits_.max_depth, .lookup = lookup});
+        media->add(maps.media);
+    }
+    const CameraPathTracer walk(scene, light_sampler_,
+                                {.max_depth = limits_.max_depth,
+                                 .hide_emitters = hide_emitters_,
+                                 .media = media ? &*media : nullptr});
+    job.sample_pixels(
+        {index, index + 1}, [&](const Ray& ray, SampleStream& stream, PixelSample& result) {
+            walk(ray, stream, result, [&](const GatherPoint& point) {
+                PhotonLookup here = lookup;
+                here.max_depth = limits_.max_depth - point.edges;
+                const Color indirect = photon_radiance(maps.surfaces, here, *point.at.shape->bsdf(),
+                                                       point.at, point.wo);
+                return indirect + sample_lights(scene, light_sampler_, point, 0, stream);
+            });
+        });
 }
 
 void SPPMIntegrator::render(RenderJob& job) const {
-    const Scene& scene = job.scene();
-    const PhotonTracer tracer(scene);
-    const CameraPathTracer walk(scene, light_sampler_,
-                                {.max_depth = limits_.max_depth, .hide_emitters = hide_emitters_});
+    const PhotonTracer tracer(job.scene());
+    warn_of_emission(job.scene(), "sppm");
     job.run_passes([&](SampleRange range) {
         for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {
-            const PhotonMap map = photons(job, tracer, i);
+            const Maps maps = photons(job, tracer, i);
             if (job.interrupted()) return;
-            job.sample_pixels(
-                {i, i + 1}, [&](const Ray& ray, SampleStream& stream, PixelSample& result) {
-                    walk(ray, stream, result, [&](const Interaction& at, Vector3 wo, int edges) {
-                        const BSDF& bsdf = *at.shape->bsdf();
-                        const PhotonLookup lookup{.filter = filter_,
-                                                  .max_depth = limits_.max_depth - edges};
-                        const Color indirect = photon_radiance(map, lookup, bsdf, at, wo);
-                        return indirect +
-                               sample_lights(scene, light_sampler_, bsdf, at, wo, 1, 0, stream);
-                    });
-                });
+            sample(job, i, maps);
         }
     });
 }

@@ -2,12 +2,14 @@
 /// volpath: path tracing through participating media, with next event estimation, multiple
 /// importance sampling and Russian roulette.
 ///
-/// Surfaces are treated as in `path` without path reuse and with one pass of light samples: a scene
-/// without media gets the same bits. Media: core/scene/medium_tracking.h. Light that arrives at a
-/// vertex is estimated by sampling lights, with an estimate of the transmittance up to them, and by
-/// following the path. The power heuristic weights the two by their densities of direction alone:
-/// both estimates of the transmittance are unbiased by themselves. Direct light that a homogeneous
-/// medium scatters is sampled once more along each ray (line_scattering.h).
+/// Surfaces are treated as in `path` without path reuse and specular chains and with one pass of
+/// light samples: a scene without media gets the same bits. Media: core/scene/medium_tracking.h.
+///
+/// Light that arrives at a vertex is estimated by sampling lights, with an estimate of the
+/// transmittance up to them, and by following the path. The power heuristic weights the two by
+/// their densities of direction alone: both estimates of the transmittance are unbiased by
+/// themselves. Direct light that a homogeneous medium scatters is sampled once more along each ray
+/// (line_scattering.h).
 #include "core/render/sampling_integrator.h"
 #include "core/scene/medium_tracking.h"
 #include "plugins/integrators/line_scattering.h"
@@ -87,8 +89,6 @@ private:
     void leave_scene(Path& path) const;
     void add_found_light(Path& path) const;
     void add_direct_light(Path& path) const;
-    template <typename Numbers>
-    Color direct_light(Path& path, const LitPoint& point, Numbers&& next_2d) const;
     bool scatter_at_surface(Path& path) const;
     bool scatter_in_medium(Path& path, const LitPoint& point) const;
 
@@ -128,26 +128,17 @@ void VolumetricPathIntegrator::add_found_light(Path& path) const {
 void VolumetricPathIntegrator::add_line_scattering(Path& path, const MediumSegment& way,
                                                    LineScattering& line) const {
     Rng& rng = path.rng;
-    const auto at = [&](float t) { return Receiver::in_medium(*way.medium, way.o, way.d, t); };
-    // A light that matters somewhere on the ray.
-    const Receiver middle = at(line.forced_distance(rng.next_double()));
-    const std::uint32_t draw = std::min(
-        static_cast<std::uint32_t>(rng.next_float() * static_cast<float>(light_sampler_.draws())),
-        light_sampler_.draws() - 1);
-    const float u_choice = rng.next_float();
-    const Vector2 u_light = rng.next_float2();
-    if (const auto choice = light_sampler_.sample(middle, draw, u_choice)) {
-        const Light& light = path.scene.lights()[choice->light];
-        const auto sample = light.emitter->sample_li(light, middle, u_light);
-        if (sample && std::isfinite(sample->distance)) line.aim_at(sample->p);
-    }
+    aim_at_light(path.scene, light_sampler_, way, rng, line);
     const float u_strategy = path.u_line.x;
     const float t = line.sample(u_strategy, static_cast<double>(path.u_line.y));
     const Color throughput = line.throughput(t);
     if (is_black(throughput) || !is_finite(throughput)) return;
-    const LitPoint point{.receiver = at(t), .phase = way.medium->phase(), .wo = -way.d};
+    const LitPoint point{.receiver = Receiver::in_medium(*way.medium, way.o, way.d, t),
+                         .phase = way.medium->phase(),
+                         .wo = -way.d};
     path.sample.result.radiance +=
-        throughput * direct_light(path, point, [&] { return rng.next_float2(); });
+        throughput *
+        sample_lights(path.scene, light_sampler_, point, 1, rng, [&] { return rng.next_float2(); });
 }
 
 /// Through the medium up to the surface that comes; true if the path is scattered before.
@@ -212,42 +203,12 @@ VolumetricPathIntegrator::Vertex VolumetricPathIntegrator::arrive(Path& path) co
 
 /// Light sampling at a surface.
 void VolumetricPathIntegrator::add_direct_light(Path& path) const {
-    const Scene& scene = path.scene;
     const Interaction& at = *path.hit;
     const LitSurface surface(at, *at.shape->bsdf(), -path.ray.d);
     path.here = surface.receiver;
-    if (!surface.samples_lights) return;
-    SampleStream& stream = path.sample.stream;
-    ColorD direct(0);  // in double: there may be a million draws
-    LightEstimate light;
-    for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
-        const float u_choice = stream.next_2d().x;
-        const Vector2 u_light = stream.next_2d();
-        const auto choice = light_sampler_.sample(surface.receiver, draw, u_choice);
-        if (!choice || !sample_light(scene, *choice, surface, u_light, 1, 1, light)) continue;
-        Receiver receiver = surface.receiver;
-        receiver.medium = medium_beyond(at, light.sample.wi, path.medium);
-        const Color arriving = scene.transmittance(receiver, light.sample, path.rng);
-        if (!is_black(arriving)) direct += ColorD(arriving * light.value);
-    }
-    path.sample.result.radiance += path.beta * Color(direct);
-}
-
-/// Light that reaches a point of a medium and is scattered towards wo, by light sampling.
-template <typename Numbers>
-Color VolumetricPathIntegrator::direct_light(Path& path, const LitPoint& point,
-                                             Numbers&& next_2d) const {
-    ColorD direct(0);
-    LightEstimate light;
-    for (std::uint32_t draw = 0; draw < light_sampler_.draws(); ++draw) {
-        const float u_choice = next_2d().x;
-        const Vector2 u_light = next_2d();
-        const auto choice = light_sampler_.sample(point.receiver, draw, u_choice);
-        if (!choice || !sample_light(path.scene, *choice, point, u_light, light)) continue;
-        const Color arriving = path.scene.transmittance(point.receiver, light.sample, path.rng);
-        direct += ColorD(arriving * light.value);
-    }
-    return Color(direct);
+    path.sample.result.radiance +=
+        path.beta * sample_lights(path.scene, light_sampler_, surface, path.medium, 1, path.rng,
+                                  path.sample.stream);
 }
 
 /// Continues along a direction of the BSDF; false if the path ends. What is found straight through
@@ -301,7 +262,8 @@ void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample) c
             SampleStream& stream = sample.stream;
             sample.result.radiance +=
                 path.beta *
-                (path.direct_weight * direct_light(path, point, [&] { return stream.next_2d(); }));
+                (path.direct_weight * sample_lights(scene, light_sampler_, point, 1, path.rng,
+                                                    [&] { return stream.next_2d(); }));
             if (!scatter_in_medium(path, point)) return;
         }
         if (step + 1 < rr_depth_) continue;

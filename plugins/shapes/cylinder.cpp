@@ -67,11 +67,7 @@ public:
         at.p = point.p;
         at.error = point.error;
         at.n = point.n;
-        at.uv = point.uv;
-        if (!needs_tangents()) {
-            at.shading = Frame::from_normal(at.n);
-            return;
-        }
+        at.uv = uv_at(n, local.z);
         const double circumference = 2 * std::numbers::pi * radius_;
         at.dpdu =
             Vector3(world_from_local_ * Vector3d(-circumference * n.y, circumference * n.x, 0));
@@ -91,6 +87,11 @@ public:
         return sample;
     }
 
+    Vector2 uv_of(std::uint32_t, const SurfaceSample& sample) const override {
+        const Vector3d local = (Vector3d(sample.p) - base_) * world_from_local_;
+        return uv_at(Vector2d(local), local.z);
+    }
+
     /// All normals are perpendicular to the axis.
     std::pair<Vector3, float> normal_cone(std::uint32_t) const override {
         return {Vector3(world_from_local_[2]), 0.0f};
@@ -105,6 +106,10 @@ private:
         return {(Vector3d(ray.o) - base_) * world_from_local_, Vector3d(ray.d) * world_from_local_};
     }
 
+    Vector2 uv_at(Vector2d n, double z) const {
+        return {turn_of(Vector2(n)), static_cast<float>(1 - z / length_)};
+    }
+
     /// The point at height z whose outward normal is (n, 0), without a density.
     SurfaceSample point_at(Vector2d n, double z) const {
         const Vector3 p(base_ + world_from_local_ * Vector3d(radius_ * n, z));
@@ -112,7 +117,6 @@ private:
         const double magnitude = glm::length(base_) + length_ + radius_;
         return {.p = p,
                 .n = Vector3(flip_normals() ? -normal : normal),
-                .uv = {turn_of(Vector2(n)), static_cast<float>(1 - z / length_)},
                 .error = rounding_error(p, magnitude),
                 .pdf = 0};
     }

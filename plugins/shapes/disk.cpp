@@ -6,6 +6,7 @@
 ///
 /// u is the distance from the center, 1 − v the angle (mesh.h tells why). As a light it
 /// is sampled by area.
+#include "core/base/vectorized.h"
 #include "core/math/warp.h"
 #include "plugins/shapes/analytic.h"
 
@@ -18,11 +19,11 @@ struct Plate {
     Vector3 n{0};          ///< with its flip
     double magnitude = 1;  ///< of coordinates
 
-    /// From coordinates in the unit disk, without uv or density.
+    /// From coordinates in the unit disk, without density.
     SurfaceSample point(Vector2 xy) const {
         const Vector2d at(xy);
         const Vector3 p(center + at.x * axis_x + at.y * axis_y);
-        return {.p = p, .n = n, .error = rounding_error(p, magnitude)};
+        return {.p = p, .n = n, .hit_uv = xy, .error = rounding_error(p, magnitude)};
     }
 };
 
@@ -34,6 +35,7 @@ LUCERNA_VECTORIZED void sample_plate(const Plate& __restrict plate, float pdf,
         const SurfaceSample at = plate.point(square_to_uniform_disk(u[i]));
         out.p.set(i, at.p);
         out.n.set(i, at.n);
+        out.hit_uv.set(i, at.hit_uv);
         out.error[i] = at.error;
         out.pdf[i] = pdf;
     }
@@ -82,10 +84,6 @@ public:
         at.error = point.error;
         at.n = point.n;
         at.uv = uv_at(hit.uv);
-        if (!needs_tangents()) {
-            at.shading = Frame::from_normal(at.n);
-            return;
-        }
         const double r = std::hypot(hit.uv.x, hit.uv.y);
         const Vector2d around = r > 0 ? Vector2d(hit.uv) / r : Vector2d(1, 0);
         at.dpdu = Vector3(around.x * plate_.axis_x + around.y * plate_.axis_y);
@@ -100,19 +98,18 @@ public:
     }
 
     SurfaceSample sample_area(std::uint32_t, Vector2 u) const override {
-        const Vector2 xy = square_to_uniform_disk(u);
-        SurfaceSample sample = plate_.point(xy);
-        if (needs_sample_uv()) sample.uv = uv_at(xy);
+        SurfaceSample sample = plate_.point(square_to_uniform_disk(u));
         sample.pdf = 1 / area(0);
         return sample;
     }
 
-    void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t count,
+    void sample_area_lanes(std::uint32_t, const Vector2Lanes& u, std::size_t,
                            SurfaceSampleLanes& out) const {
-        if (needs_sample_uv()) {
-            return Batch::sample_area_one_by_one(*this, primitive, u, count, out);
-        }
         sample_plate(plate_, 1 / area(0), u, out);
+    }
+
+    Vector2 uv_of(std::uint32_t, const SurfaceSample& sample) const override {
+        return uv_at(sample.hit_uv);
     }
 
     std::pair<Vector3, float> normal_cone(std::uint32_t) const override { return {plate_.n, 1.0f}; }

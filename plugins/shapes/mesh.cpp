@@ -259,7 +259,7 @@ Mesh::Triangle Mesh::triangle(std::uint32_t primitive) const {
     return {vertices_.at(corner[0]), vertices_.at(corner[1]), vertices_.at(corner[2])};
 }
 
-Vector2 Mesh::uv_at(const Triangle& t, Vector3 b) const {
+Vector2 Mesh::interpolated_uv(const Triangle& t, Vector3 b) const {
     if (!vertices_.has_uvs()) return {b.y, b.z};
     return b.x * vertices_.uv(t.a0) + b.y * vertices_.uv(t.a1) + b.z * vertices_.uv(t.a2);
 }
@@ -302,14 +302,10 @@ void Mesh::fill(const Ray&, const Hit& hit, Interaction& at) const {
     at.p = t.point(b);
     at.error = t.error();
     at.n = side * n;
-    at.uv = uv_at(t, b);
+    at.uv = interpolated_uv(t, b);
     const Vector3 ns = side * shading_normal(t, b, n);
-    if (needs_tangents()) {
-        fill_derivatives(t, at);
-        at.shading = Frame::from_normal_tangent(ns, at.dpdu);
-    } else {
-        at.shading = Frame::from_normal(ns);
-    }
+    fill_derivatives(t, at);
+    at.shading = Frame::from_normal_tangent(ns, at.dpdu);
 }
 
 std::vector<std::string> Mesh::attributes() const {
@@ -332,9 +328,9 @@ Color Mesh::attribute(std::string_view name, const Interaction& at) const {
            at.hit_uv.y * value(corner[2]);
 }
 
-void Mesh::prefetch(std::uint32_t primitive, Prefetch what) const {
+void Mesh::prefetch(std::uint32_t primitive, Batch::Prefetch what) const {
     const std::uint32_t* const corner = &indices_[3 * std::size_t{primitive}];
-    if (what == Prefetch::addresses) {
+    if (what == Batch::Prefetch::addresses) {
         __builtin_prefetch(corner);
     } else {
         for (int i = 0; i < 3; ++i) __builtin_prefetch(vertices_.at(corner[i]));
@@ -350,10 +346,14 @@ SurfaceSample Mesh::sample_at(std::uint32_t primitive, Vector3 b) const {
     const Vector3 n = t.normal();
     return {.p = t.point(b),
             .n = flip_normals() ? -n : n,
-            .uv = uv_at(t, b),
             .hit_uv = {b.y, b.z},
             .error = t.error(),
             .pdf = 0};
+}
+
+Vector2 Mesh::uv_of(std::uint32_t primitive, const SurfaceSample& sample) const {
+    const Vector2 b = sample.hit_uv;
+    return interpolated_uv(triangle(primitive), {1 - b.x - b.y, b.x, b.y});
 }
 
 SurfaceSample Mesh::sample_area(std::uint32_t primitive, Vector2 u) const {

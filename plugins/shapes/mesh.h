@@ -90,11 +90,12 @@ public:
     void fill(const Ray& ray, const Hit& hit, Interaction& at) const final;
     std::vector<std::string> attributes() const final;
     Color attribute(std::string_view name, const Interaction& at) const final;
-    void prefetch(std::uint32_t primitive, Prefetch what) const final;
+    void prefetch(std::uint32_t primitive, Batch::Prefetch what) const;
 
     std::uint32_t primitive_count() const final;
     float area(std::uint32_t primitive) const final;
     SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const final;
+    Vector2 uv_of(std::uint32_t primitive, const SurfaceSample& sample) const final;
     /// Uniform by solid angle unless the triangle is too small or too near for it (solid_angle.h).
     std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,
                                                     Vector2 u) const final;
@@ -116,7 +117,7 @@ private:
     struct Triangle;
     Triangle triangle(std::uint32_t primitive) const;
     SurfaceSample sample_at(std::uint32_t primitive, Vector3 barycentrics) const;
-    Vector2 uv_at(const Triangle& triangle, Vector3 barycentrics) const;
+    Vector2 interpolated_uv(const Triangle& triangle, Vector3 barycentrics) const;
     Vector3 shading_normal(const Triangle& triangle, Vector3 barycentrics, Vector3 n) const;
     void fill_derivatives(const Triangle& triangle, Interaction& at) const;
 

@@ -31,12 +31,11 @@ public:
         at.uv = hit.uv;
         at.dpdu = it.edge_u;
         at.dpdv = it.edge_v;
-        at.shading = needs_tangents() ? Frame::from_normal_tangent(at.n, it.edge_u)
-                                      : Frame::from_normal(at.n);
+        at.shading = Frame::from_normal_tangent(at.n, it.edge_u);
     }
 
-    void prefetch(std::uint32_t primitive, Prefetch what) const final {
-        if (what == Prefetch::addresses) __builtin_prefetch(&entries_[primitive]);
+    void prefetch(std::uint32_t primitive, Batch::Prefetch what) const {
+        if (what == Batch::Prefetch::addresses) __builtin_prefetch(&entries_[primitive]);
     }
 
     std::uint32_t primitive_count() const final {
@@ -47,7 +46,8 @@ public:
 
     SurfaceSample sample_area(std::uint32_t primitive, Vector2 u) const final {
         const Entry& it = entries_[primitive];
-        return {.p = it.point(u), .n = it.normal, .uv = u, .error = it.error, .pdf = 1 / it.area};
+        return {
+            .p = it.point(u), .n = it.normal, .hit_uv = u, .error = it.error, .pdf = 1 / it.area};
     }
 
     void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t,
@@ -60,7 +60,7 @@ public:
             out.error[i] = it.error;
             out.pdf[i] = pdf;
         }
-        out.uv = u;
+        out.hit_uv = u;
     }
 
     std::optional<SurfaceSample> sample_solid_angle(std::uint32_t primitive, const Receiver& from,

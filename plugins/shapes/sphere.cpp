@@ -9,6 +9,7 @@
 /// u is the angle around z, v grows from −z to z. Rays are met in double: far and huge spheres stay
 /// round. As a light it is sampled by the cone of directions to it (pbrt 4e, 6.2.4), from inside by
 /// area. A mirrored sphere keeps its outside; Mitsuba turns it inside out.
+#include "core/base/vectorized.h"
 #include "core/math/solid_angle.h"
 #include "core/math/warp.h"
 #include "plugins/shapes/analytic.h"
@@ -23,7 +24,7 @@ struct Ball {
     double magnitude = 1;  ///< of coordinates
     float side = 1;        ///< −1: normals point to the center
 
-    /// The point with the outward normal `n`, a unit vector up to floats' rounding, without uv or
+    /// The point with the outward normal `n`, a unit vector up to floats' rounding, without
     /// density.
     SurfaceSample point(Vector3d n) const {
         n *= 1.5 - 0.5 * glm::dot(n, n);  // one step of Newton's to 1 / |n|: from 1e-6 to 1e-12
@@ -40,6 +41,7 @@ LUCERNA_VECTORIZED void sample_ball(const Ball& __restrict ball, float pdf,
         const SurfaceSample at = ball.point(Vector3d(square_to_uniform_sphere(u[i])));
         out.p.set(i, at.p);
         out.n.set(i, at.n);
+        out.hit_uv.set(i, at.hit_uv);
         out.error[i] = at.error;
         out.pdf[i] = pdf;
     }
@@ -83,10 +85,6 @@ public:
         at.error = point.error;
         at.n = point.n;
         at.uv = uv_at(n);
-        if (!needs_tangents()) {
-            at.shading = Frame::from_normal(at.n);
-            return;
-        }
         const Vector3d local = n * world_from_local_;
         const double rho = std::hypot(local.x, local.y), r = ball_.radius * std::numbers::pi;
         const Vector2d around = rho > 0 ? Vector2d(local) / rho : Vector2d(1, 0);
@@ -98,16 +96,13 @@ public:
     float area(std::uint32_t) const override { return 4 * pi * radius_ * radius_; }
 
     SurfaceSample sample_area(std::uint32_t, Vector2 u) const override {
-        SurfaceSample sample = sample_with_normal(square_to_uniform_sphere(u));
+        SurfaceSample sample = ball_.point(Vector3d(square_to_uniform_sphere(u)));
         sample.pdf = 1 / area(0);
         return sample;
     }
 
-    void sample_area_lanes(std::uint32_t primitive, const Vector2Lanes& u, std::size_t count,
+    void sample_area_lanes(std::uint32_t, const Vector2Lanes& u, std::size_t,
                            SurfaceSampleLanes& out) const {
-        if (needs_sample_uv()) {
-            return Batch::sample_area_one_by_one(*this, primitive, u, count, out);
-        }
         sample_ball(ball_, 1 / area(0), u, out);
     }
 
@@ -115,10 +110,15 @@ public:
                                                     Vector2 u) const override {
         const std::optional<SphereCone> cone = seen_from(from);
         if (!cone) return Shape::sample_solid_angle(primitive, from, u);
-        SurfaceSample sample = sample_with_normal(Vector3(cone->sample(Vector2d(u)).normal));
+        // Rounded, as all normals are.
+        SurfaceSample sample = ball_.point(Vector3d(Vector3(cone->sample(Vector2d(u)).normal)));
         sample.pdf = cone->pdf();
         if (!std::isfinite(sample.pdf)) return {};
         return sample;
+    }
+
+    Vector2 uv_of(std::uint32_t, const SurfaceSample& sample) const override {
+        return uv_at(Vector3d(ball_.side * sample.n));
     }
 
     float pdf_solid_angle(std::uint32_t primitive, const Receiver& from, Vector3 wi,
@@ -142,13 +142,6 @@ private:
 
     std::optional<Roots> meet(const Ray& ray) const {
         return meet_round(Vector3d(ray.o) - ball_.center, Vector3d(ray.d), ball_.radius);
-    }
-
-    /// The point with the outward normal `n`, without a density.
-    SurfaceSample sample_with_normal(Vector3 n) const {
-        SurfaceSample sample = ball_.point(Vector3d(n));
-        if (needs_sample_uv()) sample.uv = uv_at(Vector3d(n));
-        return sample;
     }
 
     Vector2 uv_at(Vector3d n) const {

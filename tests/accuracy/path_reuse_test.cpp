@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Paths that pixels share find the same light as those of single pixels, pixel by pixel.
 #include "tests/paths.h"
-#include "tests/render_scene.h"
+#include "tests/repeated_renders.h"
 
 #include <gtest/gtest.h>
 
@@ -36,26 +36,6 @@ std::string still_life(const std::string& mesh) {
            point_light({1, 2, 1}, 1) + constant_light(0.1);
 }
 
-/// Means and variances of means over images that are independent of each other.
-struct Images {
-    std::vector<double> mean, variance;
-
-    Images(const TestScene& scene, std::uint64_t samples, std::uint64_t first_seed, int count) {
-        std::vector<RunningStatistics> pixels;
-        for (int i = 0; i < count; ++i) {
-            const FilmState film = scene.render(
-                {.per_pixel = samples, .seed = first_seed + static_cast<std::uint64_t>(i)});
-            EXPECT_EQ(film.dropped_samples(), 0u);
-            pixels.resize(film.pixel_count());
-            for (std::size_t p = 0; p < pixels.size(); ++p) pixels[p].add(film.mean(p, 1));
-        }
-        for (const RunningStatistics& p : pixels) {
-            mean.push_back(p.mean());
-            variance.push_back(sqr(p.standard_error()));
-        }
-    }
-};
-
 class PathReuse : public testing::Test {
 protected:
     PathReuse() {
@@ -72,17 +52,17 @@ protected:
 };
 
 TEST_F(PathReuse, G11_AgreesWithPathsOfTheirOwnInEveryPixel) {
-    const Images own(scene(1), 256, 0, 48);
+    const RepeatedRenders own(scene(1), 256, 0, 48);
     for (const int reuse : {2, 4, 8}) {
-        const Images shared(scene(reuse), reuse == 8 ? 32 : 128, 1000, 48);
+        const RepeatedRenders shared(scene(reuse), reuse == 8 ? 32 : 128, 1000, 48);
         EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance)) << reuse;
     }
 }
 
 TEST_F(PathReuse, G11_LightSamplesOfTheFirstVertexDoNotChangeTheMean) {
-    const Images one(scene(1), 256, 0, 48);
+    const RepeatedRenders one(scene(1), 256, 0, 48);
     for (const int reuse : {1, 4}) {
-        const Images several(scene(reuse, integer("emitter_samples", 4)), 64, 3000, 48);
+        const RepeatedRenders several(scene(reuse, integer("emitter_samples", 4)), 64, 3000, 48);
         EXPECT_TRUE(image_matches(several.mean, several.variance, one.mean, one.variance)) << reuse;
     }
 }
@@ -95,14 +75,14 @@ TEST_F(PathReuse, G11_AgreesBehindSurfacesThatLightGoesStraightThrough) {
                 shape("rectangle", scale(0.5) + look({-0.3, 0.5, 1}, {2, 1, 3}),
                       "<bsdf type='thindielectric'/>") +
                 sphere({1.5, 0.3, 0.5}, 0.4, "<bsdf type='null'/>");
-    const Images own(scene(1), 256, 0, 48);
-    const Images shared(scene(4), 128, 1000, 48);
+    const RepeatedRenders own(scene(1), 256, 0, 48);
+    const RepeatedRenders shared(scene(4), 128, 1000, 48);
     EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance));
 }
 
 TEST_F(PathReuse, G11_AgreesWithEarlyRoulette) {
-    const Images own(scene(1), 256, 0, 48);
-    const Images shared(scene(4, integer("rr_depth", 1)), 192, 2000, 48);
+    const RepeatedRenders own(scene(1), 256, 0, 48);
+    const RepeatedRenders shared(scene(4, integer("rr_depth", 1)), 192, 2000, 48);
     EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance));
 }
 
@@ -112,7 +92,7 @@ TEST_F(PathReuse, LessNoiseInAMatteRoom) {
                              sphere({0, 3, 0}, 0.3, diffuse(0) + area_light(10));
     const auto noise = [&](int reuse) {
         const TestScene scene(path_integrator(integer("reuse", reuse)) + room);
-        const Images images(scene, 64, 0, 24);
+        const RepeatedRenders images(scene, 64, 0, 24);
         return std::accumulate(images.variance.begin(), images.variance.end(), 0.0);
     };
     // Sixteen paths instead of one, but direct light stays as it is.

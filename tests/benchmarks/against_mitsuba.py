@@ -150,8 +150,9 @@ class Mitsuba:
             environment["DRJIT_LIBLLVM_PATH"] = path
         self.name = variant
         self.process = subprocess.Popen(
-            [sys.executable, __file__, "none", "--worker", variant], env=environment, text=True,
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+            [sys.executable, __file__, "none", "--worker", variant, "--venv", sys.prefix],
+            env=environment, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL)
 
     def ask(self, **command):
         self.process.stdin.write(json.dumps(command) + "\n")

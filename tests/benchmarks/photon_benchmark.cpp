@@ -11,7 +11,7 @@
 #include "core/render/session.h"
 #include "core/scene/embree.h"
 #include "plugins/integrators/photon_estimate.h"
-#include "plugins/integrators/photon_tracing.h"
+#include "plugins/integrators/photon_storing.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Photons on their way: their numbers, the bookkeeping of energy, and who emits how many.
-#include "plugins/integrators/photon_tracing.h"
+#include "plugins/integrators/photon_storing.h"
 #include "tests/plugins/workshop.h"
 
 #include <gtest/gtest.h>

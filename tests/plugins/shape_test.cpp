@@ -196,18 +196,8 @@ TEST_F(Shapes, I2_normals_of_closed_shapes_point_outside_also_when_mirrored) {
     }
 }
 
-/// The same shape with a material that asks for tangents.
-Case brushed(const Case& c) {
-    std::string xml = c.xml;
-    xml.insert(xml.rfind("</shape>"),
-               "<bsdf type='roughconductor'><float name='alpha_u' value='0.1'/>"
-               "<float name='alpha_v' value='0.2'/></bsdf>");
-    return {xml, std::make_unique<World>(xml)};
-}
-
 TEST_F(Shapes, I3_derivatives_follow_the_parameters) {
-    for (const Case& plain : cases) {
-        const Case c = brushed(plain);
+    for (const Case& c : cases) {
         EXPECT_TRUE(holds(contracts::shape_derivatives(c.trial(), effort))) << c.xml;
     }
 }
@@ -498,32 +488,12 @@ TEST(Mesh, C6_C7_a_square_of_two_triangles_lights_as_the_closed_form_says) {
     }
 }
 
-TEST_F(Shapes, tangents_that_nobody_asks_for_change_nothing_else) {
-    for (const Case& plain : cases) {
-        const Case c = brushed(plain);
-        Rng rng(10);
-        for (int i = 0; i < 100; ++i) {
-            const auto primitive = rng.next_uint() % c.shape().primitive_count();
-            const SurfaceSample s = c.shape().sample_area(primitive, rng.next_float2());
-            const Vector3 start = s.p + 0.01f * c.trial().extent() * s.n;
-            const auto a = c.trial().meet(start, -s.n), b = plain.trial().meet(start, -s.n);
-            ASSERT_TRUE(a && b) << c.xml;
-            EXPECT_EQ(a->p, b->p) << c.xml;
-            EXPECT_EQ(a->n, b->n) << c.xml;
-            EXPECT_EQ(a->uv, b->uv) << c.xml;
-            EXPECT_EQ(a->shading.n, b->shading.n) << c.xml;
-            const Frame& f = b->shading;
-            EXPECT_NEAR(glm::determinant(glm::mat3(f.s, f.t, f.n)), 1, 1e-5f) << c.xml;
-        }
-    }
-}
-
 // Groups and instances.
 
 TEST(Instance, B11_shows_what_the_shape_itself_would) {
     const std::string steps =
         "<scale x='2' y='0.5' z='-1.5'/><rotate x='1' angle='30'/><translate x='1' y='2' z='3'/>";
-    const std::string bumpy =  // which asks for tangents
+    const std::string bumpy =  // which uses tangents
         "<bsdf type='bumpmap'><texture type='checkerboard'/><bsdf type='diffuse'/></bsdf>";
     const World direct(shape("cube", bumpy + to_world(steps)));
     const World placed("<shape type='shapegroup' id='g'>" + shape("cube", bumpy) + "</shape>" +

@@ -10,21 +10,6 @@
 #include <array>
 #include <optional>
 
-/// Before a function with such a loop: it is compiled twice, for eight floats at a time where the
-/// processor has them, with the same results. What it calls must be inline. Functions in headers
-/// have a macro of their own: Clang 14 would define the choice of a version in each object file,
-/// and the thread sanitizer is not ready yet when a program makes its choices.
-#if defined(__x86_64__)
-#define LUCERNA_VECTORIZED [[gnu::target_clones("avx2", "default")]]
-#else
-#define LUCERNA_VECTORIZED
-#endif
-#if defined(__clang__) || defined(__SANITIZE_THREAD__)
-#define LUCERNA_VECTORIZED_INLINE
-#else
-#define LUCERNA_VECTORIZED_INLINE LUCERNA_VECTORIZED
-#endif
-
 namespace lucerna {
 
 inline constexpr std::size_t lane_count = 16;
@@ -57,13 +42,15 @@ using LaneMask = std::array<bool, lane_count>;
 /// Points on a surface (SurfaceSample).
 struct SurfaceSampleLanes {
     Vector3Lanes p, n;
-    Vector2Lanes uv, hit_uv;
+    Vector2Lanes hit_uv;
     FloatLanes error, pdf;
 
+    SurfaceSample operator[](std::size_t i) const {
+        return {.p = p[i], .n = n[i], .hit_uv = hit_uv[i], .error = error[i], .pdf = pdf[i]};
+    }
     void set(std::size_t i, const SurfaceSample& sample) {
         p.set(i, sample.p);
         n.set(i, sample.n);
-        uv.set(i, sample.uv);
         hit_uv.set(i, sample.hit_uv);
         error[i] = sample.error;
         pdf[i] = sample.pdf;

@@ -22,9 +22,8 @@ std::vector<Evidence> contracts_alone(Subject& subject, const Effort& effort) {
 }
 
 std::vector<Evidence> contracts_of_shape(Subject& subject, const Effort& effort) {
-    const MadeSubject plain = subject.make_shape(false), brushed = subject.make_shape(true);
-    return contracts::check(contracts::ShapeTrial(*plain.scene),
-                            contracts::ShapeTrial(*brushed.scene), effort);
+    const MadeSubject made = subject.make_shape();
+    return contracts::check(contracts::ShapeTrial(*made.scene), effort);
 }
 
 std::vector<Evidence> contracts_of_emitter(Subject& subject, const Effort& effort) {

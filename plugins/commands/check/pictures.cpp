@@ -94,7 +94,7 @@ Sheet draw_light_sampler(Subject& subject, const Effort& effort) {
 }
 
 Sheet draw_shape(Subject& subject, const Effort& effort) {
-    const MadeSubject made = subject.make_shape(false);
+    const MadeSubject made = subject.make_shape();
     const contracts::ShapeTrial trial(*made.scene);
     const Frame view = Frame::from_normal(glm::normalize(Vector3(1, 0.8f, 1.5f)));
     const Vector3 center = trial.shape.bounds().center();

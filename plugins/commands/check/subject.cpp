@@ -115,15 +115,7 @@ MadeSubject Subject::make() {
     return made;
 }
 
-MadeSubject Subject::make_shape(bool tangents) {
-    if (tangents) {
-        std::erase_if(element_->children,
-                      [](const Child& child) { return child.element->kind == "bsdf"; });
-        Element& brushed = add_element("bsdf", "roughconductor");
-        brushed.properties.push_back({"alpha_u", 0.1, element_->where});
-        brushed.properties.push_back({"alpha_v", 0.2, element_->where});
-        element_->children.push_back({"", &brushed, element_->where});
-    }
+MadeSubject Subject::make_shape() {
     MadeSubject made;
     made.object = build(*element_, made);
     SceneParts parts;

@@ -37,8 +37,8 @@ public:
 
     /// In a scene with a ball: all but shapes, emitters and light samplers need no more.
     MadeSubject make();
-    /// A shape alone; with `tangents`, it has a BSDF that uses them.
-    MadeSubject make_shape(bool tangents);
+    /// A shape alone.
+    MadeSubject make_shape();
     /// An emitter on a rectangle if it wants to be on a surface, else over a ball.
     MadeSubject make_emitter();
     /// A light sampler that is prepared for a scene.

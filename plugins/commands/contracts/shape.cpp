@@ -53,7 +53,8 @@ std::vector<Vector3> ShapeTrial::viewpoints() const {
 namespace {
 
 /// What a ray from just above a sampled point must meet.
-void require_met(const ShapeTrial& trial, const SurfaceSample& s, Evidence& evidence) {
+void require_met(const ShapeTrial& trial, std::uint32_t primitive, const SurfaceSample& s,
+                 Evidence& evidence) {
     const float height = 1e-3f * trial.extent(), tolerance = 1e-5f * trial.magnitude();
     const auto hit = trial.meet(s.p + height * s.n, -s.n);
     const auto must = [&](bool holds, const char* what) {
@@ -64,7 +65,11 @@ void require_met(const ShapeTrial& trial, const SurfaceSample& s, Evidence& evid
     must(glm::length(hit->p - s.p) < tolerance, "a ray to a sampled point meets another one");
     must(glm::dot(hit->n, s.n) > 0.9999f, "hit and sample have different normals");
     must(glm::dot(hit->n, hit->shading.n) > 0, "the shading normal is on the other side");
-    const Vector2 off = absolute(hit->uv - s.uv);  // u may jump at the seam
+    const Frame& frame = hit->shading;
+    const float determinant = glm::dot(glm::cross(frame.s, frame.t), frame.n);
+    must(std::abs(determinant - 1) < 1e-5f, "no frame of three perpendicular unit vectors");
+    const Vector2 uv = trial.shape.uv_of(primitive, s);
+    const Vector2 off = absolute(hit->uv - uv);  // u may jump at the seam
     must((off.x < 1e-3f || off.x > 0.999f) && (off.y < 1e-3f || off.y > 0.999f),
          "hit and sample have different uv");
 }
@@ -96,7 +101,7 @@ Evidence shape_samples(const ShapeTrial& trial, const Effort& effort) {
         must(Bounds3{box.min - margin, box.max + margin}.contains(s.p), "outside of the bounds");
         const auto [axis, cosine] = shape.normal_cone(primitive);
         must(glm::dot(axis, s.n) >= cosine - 1e-5f, "outside of the normal cone: the normal");
-        if (i >= 9) require_met(trial, s, evidence);  // a ray to an edge may miss
+        if (i >= 9) require_met(trial, primitive, s, evidence);  // a ray to an edge may miss
     }
     return evidence;
 }
@@ -289,13 +294,13 @@ Evidence shape_errors(const ShapeTrial& trial, const Effort& effort) {
     return evidence;
 }
 
-Evidence shape_derivatives(const ShapeTrial& brushed, const Effort& effort) {
+Evidence shape_derivatives(const ShapeTrial& trial, const Effort& effort) {
     Evidence evidence("derivatives follow the parameters");
     Rng rng(hash64({effort.seed, 9}));
-    const float height = 0.01f * brushed.extent();
+    const float height = 0.01f * trial.extent();
     for (int i = 0; i < effort.part(2000); ++i) {
-        const SurfaceSample s = brushed.sample(rng);
-        const auto a = brushed.meet(s.p + height * s.n, -s.n);
+        const SurfaceSample s = trial.sample(rng);
+        const auto a = trial.meet(s.p + height * s.n, -s.n);
         if (!a) continue;
         const auto must = [&](bool holds, const char* what) {
             evidence.require(holds, [&] { return what + std::string(" at ") + text(s.p); });
@@ -306,8 +311,8 @@ Evidence shape_derivatives(const ShapeTrial& brushed, const Effort& effort) {
              "the shading frame is not orthogonal");
         // A neighbour lies where the linear map says.
         const Vector3 step =
-            2e-3f * brushed.extent() * Frame::from_normal(s.n).to_world({0.8f, 0.6f, 0});
-        const auto b = brushed.meet(s.p + height * s.n + step, -s.n);
+            2e-3f * trial.extent() * Frame::from_normal(s.n).to_world({0.8f, 0.6f, 0});
+        const auto b = trial.meet(s.p + height * s.n + step, -s.n);
         if (!b || b->primitive != a->primitive) continue;
         const Vector2 duv = b->uv - a->uv;
         if (std::abs(duv.x) > 0.1f || std::abs(duv.y) > 0.1f) continue;  // a seam or pole
@@ -329,19 +334,19 @@ Evidence shape_lanes(const ShapeTrial& trial, const Effort& effort) {
         trial.shape.batch().sample_area(trial.shape, primitive, u, count, lanes);
         for (std::size_t i = 0; i < count; ++i) {
             const SurfaceSample one = trial.shape.sample_area(primitive, u[i]);
-            const bool same = lanes.p[i] == one.p && lanes.n[i] == one.n && lanes.uv[i] == one.uv &&
-                              lanes.error[i] == one.error && lanes.pdf[i] == one.pdf;
+            const bool same = lanes.p[i] == one.p && lanes.n[i] == one.n &&
+                              lanes.hit_uv[i] == one.hit_uv && lanes.error[i] == one.error &&
+                              lanes.pdf[i] == one.pdf;
             evidence.require(same, [&] { return fmt::format("lane {} of {} differs", i, count); });
         }
     }
     return evidence;
 }
 
-std::vector<Evidence> check(const ShapeTrial& trial, const ShapeTrial& brushed,
-                            const Effort& effort) {
+std::vector<Evidence> check(const ShapeTrial& trial, const Effort& effort) {
     return {shape_samples(trial, effort),      shape_areas(trial, effort),
             shape_solid_angles(trial, effort), shape_hits(trial, effort),
-            shape_errors(trial, effort),       shape_derivatives(brushed, effort),
+            shape_errors(trial, effort),       shape_derivatives(trial, effort),
             shape_lanes(trial, effort)};
 }
 

@@ -37,12 +37,11 @@ Evidence shape_solid_angles(const ShapeTrial& trial, const Effort& effort);
 Evidence shape_hits(const ShapeTrial& trial, const Effort& effort);
 /// Points are on the surface within their error, and rays leave it on either side.
 Evidence shape_errors(const ShapeTrial& trial, const Effort& effort);
-/// `dpdu` and `dpdv` follow the parameters. The shape needs a BSDF that asks for them.
-Evidence shape_derivatives(const ShapeTrial& brushed, const Effort& effort);
+/// `dpdu` and `dpdv` follow the parameters.
+Evidence shape_derivatives(const ShapeTrial& trial, const Effort& effort);
 Evidence shape_lanes(const ShapeTrial& trial, const Effort& effort);
 
-/// All of them; `brushed` is the same with a BSDF that uses tangents.
-std::vector<Evidence> check(const ShapeTrial& trial, const ShapeTrial& brushed,
-                            const Effort& effort);
+/// All of them.
+std::vector<Evidence> check(const ShapeTrial& trial, const Effort& effort);
 
 }  // namespace lucerna::contracts

@@ -26,7 +26,6 @@ public:
           bands_(params.int32("bands", 3, {.min = 2, .max = 64}, "number of flat bands")) {}
 
     Lobe lobes() const override { return Lobe::diffuse_reflection; }
-    bool uses_tangents() const override { return false; }
 
     BSDFValue evaluate(const Interaction& at, Vector3 wo, Vector3 wi,
                        TransportMode mode) const override {

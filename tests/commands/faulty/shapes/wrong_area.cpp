@@ -20,7 +20,7 @@ public:
         at.p = s.p;
         at.error = s.error;
         at.n = s.n;
-        at.uv = s.uv;
+        at.uv = s.hit_uv;
         at.dpdu = {2, 0, 0};
         at.dpdv = {0, 2, 0};
         at.shading = Frame::from_normal_tangent(s.n, at.dpdu);
@@ -28,7 +28,8 @@ public:
 
     float area(std::uint32_t) const override { return 4 * 1.03f; }
     SurfaceSample sample_area(std::uint32_t, Vector2 u) const override {
-        return {.p = {2 * u.x - 1, 2 * u.y - 1, 0}, .uv = u, .error = 1e-6f, .pdf = 1 / area(0)};
+        return {
+            .p = {2 * u.x - 1, 2 * u.y - 1, 0}, .hit_uv = u, .error = 1e-6f, .pdf = 1 / area(0)};
     }
 };
 

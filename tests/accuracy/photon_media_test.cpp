@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Photon mapping in media against closed forms and against path tracing.
+#include "tests/render_scene.h"
+
+#include <gtest/gtest.h>
+
+namespace lucerna {
+namespace {
+
+std::string integrator(const std::string& type, const std::string& inside = "") {
+    return "<integrator type='" + type + "'>" + inside + "</integrator>";
+}
+const std::string photonmap =
+    integrator("photonmap", integer("global_photons", 30000) + integer("caustic_photons", 20000) +
+                                integer("volume_photons", 30000) +
+                                integer("volume_lookup_size", 8) + integer("lookup_size", 40));
+const std::string sppm =
+    integrator("sppm", integer("photon_count", 20000) + number("initial_radius", 0.08));
+
+std::string fog(const std::string& name, double sigma_t, double albedo, double g = 0) {
+    return "<medium type='homogeneous' name='" + name + "'>" + number("sigma_t", sigma_t) +
+           number("albedo", albedo) + "<phase type='hg'>" + number("g", g) + "</phase></medium>";
+}
+std::string room(double albedo, double emitted, const std::string& medium) {
+    return shape("cube", "",
+                 boolean("flip_normals", true) + diffuse(albedo) +
+                     (emitted > 0 ? area_light(emitted) : "") + medium);
+}
+/// Looks through the middle of the room, so that no sphere of a photon reaches a wall beside it.
+std::string view(const std::string& medium, double fov) {
+    TestCamera camera{.to_world = look({0, 0, -0.9}, {0, 0, 1}), .fov = fov};
+    camera.inside = medium;
+    return xml(camera);
+}
+
+/// Walls that emit what they absorb, and fog that absorbs nothing: nothing can be seen.
+TEST(PhotonMedia, O1_WhiteFurnace) {
+    const std::string scene = room(0.5, 0.5, fog("exterior", 0.7, 1)) + view(fog("", 0.7, 1), 20);
+    const std::string many = integrator("photonmap", integer("global_photons", 200000) +
+                                                         integer("volume_photons", 100000) +
+                                                         integer("volume_lookup_size", 8));
+    EXPECT_TRUE(agrees(image_means(many + scene, 8, 6), 1, 0.01));
+    EXPECT_TRUE(agrees(image_means(sppm + scene, 32, 12), 1, 0.005));
+}
+
+/// The focus behind a ball of glass in fog, lit by a small lamp, with all that fog and walls
+/// scatter.
+TEST(PhotonMedia, G11_AgreesWithPathTracingBehindGlass) {
+    const double sigma = 0.5, albedo = 0.8, g = 0.3;
+    const std::string around = fog("exterior", sigma, albedo, g);
+    const std::string scene =
+        room(0.3, 0, around) + sphere({0, 0, 0.2}, 0.35, "<bsdf type='dielectric'/>" + around) +
+        sphere({0, 0.75, 0.2}, 0.2, diffuse(0) + area_light(5) + around) + xml([&] {
+            TestCamera camera{.to_world = look({0, -0.45, -0.9}, {0, -0.45, 0.2}), .fov = 25};
+            camera.inside = fog("", sigma, albedo, g);
+            return camera;
+        }());
+    const RunningStatistics traced = image_means(integrator("volpath") + scene, 1024, 6);
+    EXPECT_TRUE(agree(image_means(photonmap + scene, 8, 6), traced, 0.02));
+    EXPECT_TRUE(agree(image_means(sppm + scene, 12, 6), traced, 0.02));
+}
+
+}  // namespace
+}  // namespace lucerna
