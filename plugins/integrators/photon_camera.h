@@ -45,7 +45,8 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
         return sample_lights(scene, sampler, bsdf, point.at, point.wo, 1, bsdf_samples, stream);
     }
     const LitSurface surface(point.at, bsdf, point.wo);
-    return sample_lights(scene, sampler, surface, point.medium, bsdf_samples, *point.rng, stream);
+    return sample_lights(scene, sampler, surface, point.medium, 1, bsdf_samples, *point.rng,
+                         stream);
 }
 
 class CameraPathTracer {
