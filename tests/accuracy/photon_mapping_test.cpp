@@ -387,6 +387,35 @@ TEST_P(PhotonIntegrators, SameBitsWhenPassesAreMerged) {
     EXPECT_EQ(in_one_piece(scene, 6), numbers_of(merged));
 }
 
+/// Direct light of a sky is found by light samples and by rays of the BSDF, weighted; here there is
+/// no other.
+TEST(PhotonMapping, G8_TheSkyOverMatteAndGlossyThings) {
+    const std::string scene =
+        shape("rectangle", scale(3), "<bsdf type='roughplastic'/>") + constant_light(0.7) +
+        "<emitter type='constant'><rgb name='radiance' value='0.5'/></emitter>" +
+        xml({.to_world = look({0, -2, 1.5}, {0, 0, 0}), .fov = 20});
+    const RunningStatistics traced =
+        image_means(path_integrator(integer("max_depth", 2)) + scene, 256, 6);
+    for (const char* const type : {"photonmap", "sppm"}) {
+        const std::string how = integrator(type, integer("max_depth", 2));
+        EXPECT_TRUE(agree(image_means(how + scene, 64, 6), traced, 0.01)) << type;
+    }
+}
+
+/// The first radius is what the camera sees as some pixels, however large the scene is.
+TEST(Sppm, FarThingsDoNotChangeTheFirstRadius) {
+    const std::string lamp =
+        shape("rectangle", scale(0.2) + look({0, 0, 2}, {0, 0, 0}), diffuse(0) + area_light(30));
+    const std::string scene = integrator("sppm", integer("photon_count", 2000)) + lamp +
+                              shape("rectangle", scale(2), diffuse(0.5)) +
+                              sphere({0, 0, 0.5}, 0.3, "<bsdf type='dielectric'/>") +
+                              xml({.to_world = look({0, -3, 1}, {0, 0, 0}), .fov = 40});
+    const std::string below = sphere({0, 0, -2000}, 1, diffuse(0.5));
+    const Samples samples{.per_pixel = 4};
+    EXPECT_EQ(numbers_of(TestScene(scene).render(samples)),
+              numbers_of(TestScene(scene + below).render(samples)));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, PhotonIntegrators, testing::Values("photonmap", "sppm", "ptracer"),
                          [](const auto& one) { return std::string(one.param); });
 
