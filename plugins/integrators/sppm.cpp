@@ -31,7 +31,7 @@ public:
           photons_(params.integer("photon_count", 250000, {.min = 1, .max = 1e9},
                                   "photons that leave the lights in each pass")),
           initial_radius_(params.real("initial_radius", 0, non_negative,
-                                      "of the first pass [scene units]; 0: four pixels")),
+                                      "of the first pass [scene units]; 0: about four pixels")),
           alpha_(params.real("alpha", 2.0 / 3, {.min = 0, .max = 1, .open_min = true},
                              "how slowly the radius shrinks; 1 keeps it")),
           filter_(params.choice<PhotonFilter>("filter", PhotonFilter::cone,
@@ -95,19 +95,20 @@ std::optional<float> seen_width(const Scene& scene) {
     return *middle;
 }
 
-/// Unless it is given, some pixels where the camera sees surfaces: squared bias and variance of
-/// caustics are then alike after some hundred passes. Small images have large pixels, but need to
-/// show no more blur.
+/// Unless it is given, some pixels where the camera sees surfaces, so that squared bias and variance
+/// of caustics are alike after some hundred passes; but not so small that few photons are found: a
+/// disk holds at least two of each pass, if they are spread over a sphere around the scene. Small
+/// images have large pixels, but need not show more blur.
 float SPPMIntegrator::first_radius(const RenderJob& job) const {
     if (initial_radius_ > 0) return initial_radius_;
     constexpr float pixels = 4, fewest_pixels = 128;
     const Vector2i size = job.film().size();
     const auto across = static_cast<float>(std::max(size.x, size.y));
-    if (const std::optional<float> width = seen_width(job.scene()); width && *width > 0) {
-        return pixels * *width * std::min(across / fewest_pixels, 1.0f);
-    }
-    const float radius = job.scene().bounds().radius();
-    return pixels * (radius > 0 ? radius : 1) / std::max(across, fewest_pixels);
+    const float scene_radius = job.scene().bounds().radius();
+    const float least = (scene_radius > 0 ? scene_radius : 1) *
+                        std::sqrt(8 / std::max(static_cast<float>(photons_), 32.0f));
+    const float seen = seen_width(job.scene()).value_or(0);
+    return std::max(pixels * seen * std::min(across / fewest_pixels, 1.0f), least);
 }
 
 /// The maps of pass `index`, of all that light sampling does not find.

@@ -402,20 +402,6 @@ TEST(PhotonMapping, G8_TheSkyOverMatteAndGlossyThings) {
     }
 }
 
-/// The first radius is what the camera sees as some pixels, however large the scene is.
-TEST(Sppm, FarThingsDoNotChangeTheFirstRadius) {
-    const std::string lamp =
-        shape("rectangle", scale(0.2) + look({0, 0, 2}, {0, 0, 0}), diffuse(0) + area_light(30));
-    const std::string scene = integrator("sppm", integer("photon_count", 2000)) + lamp +
-                              shape("rectangle", scale(2), diffuse(0.5)) +
-                              sphere({0, 0, 0.5}, 0.3, "<bsdf type='dielectric'/>") +
-                              xml({.to_world = look({0, -3, 1}, {0, 0, 0}), .fov = 40});
-    const std::string below = sphere({0, 0, -2000}, 1, diffuse(0.5));
-    const Samples samples{.per_pixel = 4};
-    EXPECT_EQ(numbers_of(TestScene(scene).render(samples)),
-              numbers_of(TestScene(scene + below).render(samples)));
-}
-
 INSTANTIATE_TEST_SUITE_P(All, PhotonIntegrators, testing::Values("photonmap", "sppm", "ptracer"),
                          [](const auto& one) { return std::string(one.param); });
 
