@@ -31,9 +31,9 @@ struct MediumSegment {
 
 /// exp(−σ t), where t may be infinite.
 inline Color attenuation(Color sigma, float t) {
-    Color result;
-    for (int c = 0; c < 3; ++c) result[c] = sigma[c] > 0 ? std::exp(-sigma[c] * t) : 1.0f;
-    return result;
+    const auto of = [t](float s) { return s > 0 ? std::exp(-s * t) : 1.0f; };
+    const bool grey = sigma.x == sigma.y && sigma.y == sigma.z;  // the usual fog
+    return grey ? Color(of(sigma.x)) : Color(of(sigma.x), of(sigma.y), of(sigma.z));
 }
 
 /// An unbiased estimate of the fraction of light that gets through: exact in homogeneous media, by

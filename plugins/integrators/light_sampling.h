@@ -7,6 +7,8 @@
 #include "core/scene/scatter.h"
 #include "core/scene/scene.h"
 
+#include <algorithm>
+
 namespace lucerna {
 
 /// Power heuristic with exponent 2 for the strategy with density `a` (Veach 1997, 9.2.4). The
@@ -45,6 +47,13 @@ struct PathVertex {
     float light_samples = 1;  ///< passes of light sampling there
     bool specular = true;     ///< light sampling could not have found what the ray finds
 };
+
+/// Whether rays that leave the scene may meet light.
+inline bool has_environment(const Scene& scene) {
+    return std::any_of(
+        scene.infinite_lights().begin(), scene.infinite_lights().end(),
+        [&](std::uint32_t first) { return !scene.lights()[first].emitter->delta(); });
+}
 
 /// Light from infinity along `d`, weighted against having been sampled at the vertex before.
 inline Color found_environment(const Scene& scene, const LightSampler& sampler,

@@ -18,52 +18,71 @@ struct LitPoint {
 /// What the light of a choice adds at a point of a medium if nothing lies between, weighted against
 /// `phase_samples` samples of the phase function. False: nothing can arrive.
 inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitPoint& point,
-                         Vector2 u, float phase_samples, LightEstimate& result) {
+                         Vector2 u, float passes, float phase_samples, LightEstimate& result) {
     const Light& light = scene.lights()[choice.light];
     const std::optional<LightSample> sample = light.emitter->sample_li(light, point.receiver, u);
     if (!sample || is_black(sample->radiance)) return false;
     const PhaseValue value = point.phase.evaluate(point.receiver.p, point.wo, sample->wi);
     if (!(value.f > 0)) return false;
     const float density = choice.pmf * sample->pdf;
-    const float weight = sample->delta ? 1.0f : power_heuristic(density, phase_samples * value.pdf);
+    const float weight =
+        sample->delta ? 1.0f : power_heuristic(passes * density, phase_samples * value.pdf);
     result.sample = *sample;
     result.density = density;
     result.response = Color(value.f * weight / density);
     return true;
 }
 
+/// A number of part `pass` of [0, 1), which `count` passes divide.
+inline float stratum(std::uint32_t pass, float count, float u) {
+    return std::min((static_cast<float>(pass) + u) / count, one_minus_epsilon);
+}
+
+/// Passes of light sampling at a point, and how many they are in the weights: those of the vertex
+/// that light found by chance is weighted for.
+struct LightPasses {
+    std::uint32_t taken, weighted;
+};
+
 /// Light that reaches a point of a medium and is scattered towards wo, by light sampling;
 /// `next_2d` gives the numbers that choose lights.
 template <typename Numbers>
 Color sample_lights(const Scene& scene, const LightSampler& sampler, const LitPoint& point,
-                    float phase_samples, Rng& rng, Numbers&& next_2d) {
+                    LightPasses passes, float phase_samples, Rng& rng, Numbers&& next_2d) {
     ColorD direct(0);
     LightEstimate light;
-    for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
-        const float u_choice = next_2d().x;
+    const auto count = static_cast<float>(passes.taken);
+    const auto weighted = static_cast<float>(passes.weighted);
+    for (std::uint32_t k = 0; k < passes.taken * sampler.draws(); ++k) {
+        const std::uint32_t pass = k % passes.taken, draw = k / passes.taken;
+        const float u_choice = stratum(pass, count, next_2d().x);
         const Vector2 u_light = next_2d();
         const auto choice = sampler.sample(point.receiver, draw, u_choice);
-        if (!choice || !sample_light(scene, *choice, point, u_light, phase_samples, light)) {
+        if (!choice ||
+            !sample_light(scene, *choice, point, u_light, weighted, phase_samples, light)) {
             continue;
         }
         const Color arriving = scene.transmittance(point.receiver, light.sample, rng);
         direct += ColorD(arriving * light.sample.radiance * light.response);
     }
-    return Color(direct);
+    return Color(direct / static_cast<double>(count));
 }
 
 /// Direct light at a surface that a path in `medium` has come to.
 inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
-                           const LitSurface& surface, const Medium* medium, float bsdf_samples,
-                           Rng& rng, SampleStream& stream) {
+                           const LitSurface& surface, const Medium* medium, std::uint32_t passes,
+                           float bsdf_samples, Rng& rng, SampleStream& stream) {
     if (!surface.samples_lights) return Color(0);
     ColorD direct(0);  // in double: there may be a million draws
     LightEstimate light;
-    for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
-        const float u_choice = stream.next_2d().x;
+    const auto count = static_cast<float>(passes);
+    for (std::uint32_t k = 0; k < passes * sampler.draws(); ++k) {
+        const std::uint32_t pass = k % passes, draw = k / passes;
+        const float u_choice = stratum(pass, count, stream.next_2d().x);
         const Vector2 u_light = stream.next_2d();
         const auto choice = sampler.sample(surface.receiver, draw, u_choice);
-        if (!choice || !sample_light(scene, *choice, surface, u_light, 1, bsdf_samples, light)) {
+        if (!choice ||
+            !sample_light(scene, *choice, surface, u_light, count, bsdf_samples, light)) {
             continue;
         }
         Receiver receiver = surface.receiver;
@@ -72,7 +91,7 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
         if (!is_black(arriving))
             direct += ColorD(arriving * light.sample.radiance * light.response);
     }
-    return Color(direct);
+    return Color(direct / static_cast<double>(count));
 }
 
 /// Aims a line at a point on a light that matters somewhere on it.

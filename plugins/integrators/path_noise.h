@@ -98,6 +98,10 @@ public:
         return best_splitting(noise, given);
     }
 
+    /// The noise for one splitting.
+    template <typename Trace>
+    PathNoise measure(const PathSplitting& splitting, Trace&& trace) const;
+
 private:
     static constexpr std::uint32_t pixel_count = 256;
     static constexpr std::uint32_t sample_count = 8;  ///< of a sequence: they may be stratified
@@ -112,8 +116,6 @@ private:
         std::uint64_t rays = 0;
     };
 
-    template <typename Trace>
-    PathNoise measure(const PathSplitting& splitting, Trace&& trace) const;
     std::vector<CameraSample> camera_samples(std::uint32_t pixel, std::uint32_t sequence) const;
     static PathNoise summary(std::span<const Pixel> pixels);
 

@@ -35,17 +35,20 @@ struct GatherPoint {
     int edges;                ///< of the path
     const Medium* medium;     ///< through which it has come
     std::optional<Rng>& rng;  ///< for media; empty if the scene has none
+    float bsdf_samples = 0;   ///< rays of the BSDF that look for direct light, too
 };
 
-/// Direct light at a surface towards wo, by light sampling alone if `bsdf_samples` is 0.
+/// Direct light at a surface towards wo by light sampling, weighted against rays of the BSDF.
 inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
-                           const GatherPoint& point, float bsdf_samples, SampleStream& stream) {
+                           const GatherPoint& point, SampleStream& stream) {
     const BSDF& bsdf = *point.at.shape->bsdf();
+    const float bsdf_samples = point.bsdf_samples;
     if (!point.rng) {
         return sample_lights(scene, sampler, bsdf, point.at, point.wo, 1, bsdf_samples, stream);
     }
     const LitSurface surface(point.at, bsdf, point.wo);
-    return sample_lights(scene, sampler, surface, point.medium, bsdf_samples, *point.rng, stream);
+    return sample_lights(scene, sampler, surface, point.medium, 1, bsdf_samples, *point.rng,
+                         stream);
 }
 
 class CameraPathTracer {
@@ -54,6 +57,7 @@ public:
         int max_depth = 0;
         bool hide_emitters = false;  ///< from the camera, not from mirrors
         bool lights = true;          ///< false: returns only what is gathered
+        bool direct_light = true;    ///< the callback samples lights
         std::uint32_t gather_dimensions =
             0;                              ///< numbers that the callback takes, if not for lights
         const MediumView* media = nullptr;  ///< if the scene has any
@@ -64,6 +68,10 @@ public:
         : scene_(scene),
           light_sampler_(light_sampler),
           settings_(settings),
+          bsdf_samples_(settings.lights && settings.direct_light && !settings.media &&
+                                has_environment(scene)
+                            ? 1.0f
+                            : 0.0f),
           dimensions_(bsdf_dimensions + light_dimensions(light_sampler) +
                       settings.gather_dimensions + (settings.media ? medium_dimensions : 0)) {}
 
@@ -99,6 +107,9 @@ private:
     const Scene& scene_;
     const LightSampler& light_sampler_;
     Settings settings_;
+    /// Of direct light where photons are stored: most of a sky is found better by matte surfaces
+    /// than by light sampling, lamps are not.
+    float bsdf_samples_;
     std::uint32_t dimensions_;
 };
 
@@ -173,18 +184,20 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
         const Vector2 u_lobe_and_roulette = stream.next_2d();
         const BSDF& bsdf = *at.shape->bsdf();
         const bool gathers = stores_photons(bsdf);
-        const GatherPoint point{at, wo, path.edges, path.medium, path.rng};
+        const GatherPoint point{at,          wo,       path.edges,
+                                path.medium, path.rng, gathers ? bsdf_samples_ : 1.0f};
         if (gathers) {
             result.radiance += path.beta * gather(point);
-            if (!any(bsdf.lobes() & delta_lobes)) return;
+            if (!any(bsdf.lobes() & delta_lobes) && bsdf_samples_ == 0) return;
         } else if (settings_.lights) {
-            result.radiance += path.beta * sample_lights(scene_, light_sampler_, point, 1, stream);
+            result.radiance += path.beta * sample_lights(scene_, light_sampler_, point, stream);
         }
         const std::optional<ScatteredRay> next =
             scatter(at, wo, u_lobe_and_roulette.x, u_direction);
         if (!next) return;
         const BSDFSample& sample = next->sample;
-        if (gathers && !sample.specular()) return;  // has been gathered
+        const bool has_been_gathered = gathers && !sample.specular();
+        if (has_been_gathered && bsdf_samples_ == 0) return;
         path.beta *= sample.weight;
         path.eta2 *= sqr(sample.eta);
         path.ray = next->ray;
@@ -194,6 +207,11 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
                            .pdf = sample.pdf,
                            .specular = sample.specular()};
             ++path.edges;
+        }
+        if (has_been_gathered) {
+            path.edges = settings_.max_depth;  // but for direct light
+            arrive(path, result);
+            return;
         }
         if (step + 1 >= 5) {
             const float survival = survival_probability(path.beta, path.eta2);

@@ -89,7 +89,8 @@ inline Color MediumView::direct_light(const MediumSegment& way, float t, Rng& rn
     const LitPoint point{.receiver = Receiver::in_medium(*way.medium, way.o, way.d, t),
                          .phase = way.medium->phase(),
                          .wo = -way.d};
-    return sample_lights(scene_, light_sampler_, point, 0, rng, [&] { return rng.next_float2(); });
+    return sample_lights(scene_, light_sampler_, point, {1, 1}, 0, rng,
+                         [&] { return rng.next_float2(); });
 }
 
 /// Whether photons can be scattered by a medium that the integrator renders.

@@ -326,7 +326,7 @@ Color PhotonMapIntegrator::gather_ray(const Scene& scene, const Maps& maps, cons
         sum += beta * radiance(maps.caustic, at, wo, edges);
         if (distance < maps.global.radius()) {
             const GatherPoint there{at, wo, edges, medium, point.rng};
-            sum += beta * sample_lights(scene, light_sampler_, there, 0, stream);
+            sum += beta * sample_lights(scene, light_sampler_, there, stream);
         } else {
             sum += beta * radiance(maps.global, at, wo, edges);
             may_be_smooth = false;
@@ -352,7 +352,7 @@ Color PhotonMapIntegrator::seen(const Scene& scene, const Maps& maps, const Medi
             break;
     }
     Color sum = radiance(maps.caustic, at, wo, edges);
-    if (!direct_from_map_) sum += sample_lights(scene, light_sampler_, point, 0, stream);
+    if (!direct_from_map_) sum += sample_lights(scene, light_sampler_, point, stream);
     return sum + (final_gather_ > 0 ? gather(scene, maps, media, point, stream)
                                     : radiance(maps.global, at, wo, edges));
 }
@@ -371,6 +371,7 @@ void PhotonMapIntegrator::render(RenderJob& job) const {
                                 {.max_depth = limits_.max_depth,
                                  .hide_emitters = hide_emitters_,
                                  .lights = show_ == Show::radiance,
+                                 .direct_light = !direct_from_map_,
                                  .gather_dimensions = static_cast<std::uint32_t>(4 * final_gather_),
                                  .media = seen_media});
     job.render_samples([&](const Ray& ray, SampleStream& stream, PixelSample& result) {

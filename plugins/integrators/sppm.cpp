@@ -31,7 +31,7 @@ public:
           photons_(params.integer("photon_count", 250000, {.min = 1, .max = 1e9},
                                   "photons that leave the lights in each pass")),
           initial_radius_(params.real("initial_radius", 0, non_negative,
-                                      "of the first pass [scene units]; 0: some pixels")),
+                                      "of the first pass [scene units]; 0: about four pixels")),
           alpha_(params.real("alpha", 2.0 / 3, {.min = 0, .max = 1, .open_min = true},
                              "how slowly the radius shrinks; 1 keeps it")),
           filter_(params.choice<PhotonFilter>("filter", PhotonFilter::cone,
@@ -61,7 +61,8 @@ private:
         BeamMap media;
     };
 
-    Maps photons(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index) const;
+    Maps photons(const RenderJob& job, const PhotonTracer& tracer, float first_radius,
+                 std::uint64_t index) const;
     void sample(RenderJob& job, std::uint64_t index, const Maps& maps) const;
     float first_radius(const RenderJob& job) const;
 
@@ -74,17 +75,45 @@ private:
     const LightSampler& light_sampler_;
 };
 
-/// Unless it is given, what five pixels see of an object as far away as the scene is large.
+/// How wide a pixel is where the camera sees surfaces: the median over a grid of pixels. Empty if
+/// it sees none.
+std::optional<float> seen_width(const Scene& scene) {
+    constexpr int grid = 32;
+    const Sensor& sensor = scene.sensor();
+    const Vector2 size(sensor.film().size());
+    std::vector<float> widths;
+    for (int i = 0; i < grid * grid; ++i) {
+        const Vector2 pixel = (Vector2(i % grid, i / grid) + 0.5f) / float{grid} * size;
+        const Ray ray = sensor.sample_ray(pixel, Vector2(0.5f));
+        const Ray beside = sensor.sample_ray(pixel + Vector2(1, 0), Vector2(0.5f));
+        const std::optional<Interaction> at = scene.intersect(ray);
+        if (at) widths.push_back(glm::length(beside.o + at->t * beside.d - at->p));
+    }
+    if (widths.empty()) return {};
+    const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+    std::nth_element(widths.begin(), middle, widths.end());
+    return *middle;
+}
+
+/// Unless it is given, some pixels where the camera sees surfaces, so that squared bias and variance
+/// of caustics are alike after some hundred passes; but not so small that few photons are found: a
+/// disk holds at least two of each pass, if they are spread over a sphere around the scene. Small
+/// images have large pixels, but need not show more blur.
 float SPPMIntegrator::first_radius(const RenderJob& job) const {
     if (initial_radius_ > 0) return initial_radius_;
+    constexpr float pixels = 4, fewest_pixels = 128;
     const Vector2i size = job.film().size();
-    const float radius = job.scene().bounds().radius();
-    return 5 * (radius > 0 ? radius : 1) / static_cast<float>(std::max(size.x, size.y));
+    const auto across = static_cast<float>(std::max(size.x, size.y));
+    const float scene_radius = job.scene().bounds().radius();
+    const float least = (scene_radius > 0 ? scene_radius : 1) *
+                        std::sqrt(8 / std::max(static_cast<float>(photons_), 32.0f));
+    const float seen = seen_width(job.scene()).value_or(0);
+    return std::max(pixels * seen * std::min(across / fewest_pixels, 1.0f), least);
 }
 
 /// The maps of pass `index`, of all that light sampling does not find.
 SPPMIntegrator::Maps SPPMIntegrator::photons(const RenderJob& job, const PhotonTracer& tracer,
-                                             std::uint64_t index) const {
+                                             float first_radius, std::uint64_t index) const {
     const PhotonPass pass{.key = hash64({job.seed(), index, 0x5bb3}),
                           .count = static_cast<std::uint64_t>(photons_),
                           .max_depth = limits_.max_depth - 1,
@@ -96,8 +125,8 @@ SPPMIntegrator::Maps SPPMIntegrator::photons(const RenderJob& job, const PhotonT
         store_photons(
             tracer, pass, job.workers(), [&] { return job.interrupted(); }, stored);
     }
-    const double radius2 = sqr(static_cast<double>(first_radius(job))) *
-                           radius2_factor(index, static_cast<double>(alpha_));
+    const double radius2 =
+        sqr(static_cast<double>(first_radius)) * radius2_factor(index, static_cast<double>(alpha_));
     const float radius = static_cast<float>(std::sqrt(radius2));
     return {PhotonMap(std::move(stored.photons), stored.emitted, structure_, radius, job.workers()),
             BeamMap(std::move(stored.in_media), stored.emitted, radius, 0, job.workers())};
@@ -117,24 +146,25 @@ void SPPMIntegrator::sample(RenderJob& job, std::uint64_t index, const Maps& map
                                 {.max_depth = limits_.max_depth,
                                  .hide_emitters = hide_emitters_,
                                  .media = media ? &*media : nullptr});
-    job.sample_pixels(
-        {index, index + 1}, [&](const Ray& ray, SampleStream& stream, PixelSample& result) {
-            walk(ray, stream, result, [&](const GatherPoint& point) {
-                PhotonLookup here = lookup;
-                here.max_depth = limits_.max_depth - point.edges;
-                const Color indirect = photon_radiance(maps.surfaces, here, *point.at.shape->bsdf(),
-                                                       point.at, point.wo);
-                return indirect + sample_lights(scene, light_sampler_, point, 0, stream);
-            });
-        });
+    job.sample_pixels({index, index + 1},
+                      [&](const Ray& ray, SampleStream& stream, PixelSample& result) {
+                          walk(ray, stream, result, [&](const GatherPoint& point) {
+                              PhotonLookup here = lookup;
+                              here.max_depth = limits_.max_depth - point.edges;
+                              const Color indirect = photon_radiance(
+                                  maps.surfaces, here, *point.at.shape->bsdf(), point.at, point.wo);
+                              return indirect + sample_lights(scene, light_sampler_, point, stream);
+                          });
+                      });
 }
 
 void SPPMIntegrator::render(RenderJob& job) const {
     const PhotonTracer tracer(job.scene());
+    const float radius = first_radius(job);
     warn_of_emission(job.scene(), "sppm");
     job.run_passes([&](SampleRange range) {
         for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {
-            const Maps maps = photons(job, tracer, i);
+            const Maps maps = photons(job, tracer, radius, i);
             if (job.interrupted()) return;
             sample(job, i, maps);
         }

@@ -2,8 +2,9 @@
 /// volpath: path tracing through participating media, with next event estimation, multiple
 /// importance sampling and Russian roulette.
 ///
-/// Surfaces are treated as in `path` without path reuse and specular chains and with one pass of
-/// light samples: a scene without media gets the same bits. Media: core/scene/medium_tracking.h.
+/// Surfaces are treated as in `path` without path reuse and specular chains, and in scenes without
+/// media with one pass of light samples: these get the same bits. Media:
+/// core/scene/medium_tracking.h.
 ///
 /// Light that arrives at a vertex is estimated by sampling lights, with an estimate of the
 /// transmittance up to them, and by following the path. The power heuristic weights the two by
@@ -14,6 +15,7 @@
 #include "core/scene/medium_tracking.h"
 #include "plugins/integrators/line_scattering.h"
 #include "plugins/integrators/medium_lighting.h"
+#include "plugins/integrators/path_noise.h"
 #include "plugins/integrators/render_options.h"
 
 #include <limits>
@@ -30,6 +32,9 @@ public:
                                   "-1 is unlimited")),
           rr_depth_(params.int32("rr_depth", 5, {.min = 1},
                                  "edges before Russian roulette may end a path")),
+          emitter_samples_(params.int32("emitter_samples", 0, {.min = 0, .max = 64},
+                                        "samples of lights at each vertex in scenes with media; "
+                                        "0: 1 or 2, what a few paths show to be better")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
@@ -37,11 +42,12 @@ public:
         if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
     }
 
+    void prepare(const Scene& scene) override;
     bool renders_media() const override { return true; }
     int light_bounces() const override { return std::max(max_depth_ - 2, -1); }
     void sample(const Scene& scene, std::span<CameraSample> samples) const override {
         if (max_depth_ == 0) return;
-        for (CameraSample& sample : samples) trace(scene, sample);
+        for (CameraSample& sample : samples) trace(scene, sample, passes_);
     }
 
 private:
@@ -52,7 +58,8 @@ private:
     enum class Vertex { none, surface, medium };
 
     struct Path {
-        Path(const Scene& s, CameraSample& sample_) : scene(s), sample(sample_), ray(sample_.ray) {
+        Path(const Scene& s, CameraSample& sample_, std::uint32_t passes)
+            : scene(s), sample(sample_), ray(sample_.ray), light_samples(passes) {
             if (scene.has_media()) medium = scene.sensor().medium();
         }
 
@@ -71,6 +78,7 @@ private:
         float collision = 0;             ///< distance to it, if the vertex is in the medium
         float direct_weight = 1;         ///< of light sampling there
         Rng rng{0};                      ///< for media
+        std::uint32_t light_samples;     ///< passes of light sampling at each vertex
         std::uint32_t dimension = camera_dimensions;
         Vector2 u_direction{0}, u_lobe_and_roulette{0}, u_distance{0}, u_line{0};
         Receiver here;  ///< the surface at which the path is
@@ -81,7 +89,7 @@ private:
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
     };
 
-    void trace(const Scene& scene, CameraSample& sample) const;
+    void trace(const Scene& scene, CameraSample& sample, std::uint32_t passes) const;
     void draw_numbers(Path& path) const;
     Vertex arrive(Path& path) const;
     bool cross_medium(Path& path) const;
@@ -94,16 +102,35 @@ private:
 
     int max_depth_;
     int rr_depth_;
+    int emitter_samples_;
     bool hide_emitters_;
     const LightSampler& light_sampler_;
+    std::uint32_t passes_ = 1;
 };
+
+void VolumetricPathIntegrator::prepare(const Scene& scene) {
+    passes_ = static_cast<std::uint32_t>(std::max(emitter_samples_, 1));
+    const std::uint32_t draws = light_sampler_.draws();
+    if (!scene.has_media() || draws == 0) passes_ = 1;
+    if (!scene.has_media() || draws == 0 || draws > 8 || emitter_samples_ > 0) return;
+    const PathNoiseMeter meter(scene);
+    const auto inefficiency = [&](int passes) {
+        const auto trace_all = [&](std::span<CameraSample> samples, auto&&...) {
+            for (CameraSample& sample : samples) {
+                trace(scene, sample, static_cast<std::uint32_t>(passes));
+            }
+        };
+        return meter.measure({.light_samples = passes}, trace_all).inefficiency(1, 1);
+    };
+    passes_ = inefficiency(2) < inefficiency(1) ? 2 : 1;
+}
 
 /// The numbers of a step that are not for lights; those follow in the stream.
 void VolumetricPathIntegrator::draw_numbers(Path& path) const {
     SampleStream& stream = path.sample.stream;
     const bool has_media = path.scene.has_media();
     stream.jump_to(path.dimension);
-    path.dimension += bsdf_dimensions + light_dimensions(light_sampler_);
+    path.dimension += bsdf_dimensions + path.light_samples * light_dimensions(light_sampler_);
     path.u_direction = stream.next_2d();
     path.u_lobe_and_roulette = stream.next_2d();
     if (!has_media) return;
@@ -137,8 +164,8 @@ void VolumetricPathIntegrator::add_line_scattering(Path& path, const MediumSegme
                          .phase = way.medium->phase(),
                          .wo = -way.d};
     path.sample.result.radiance +=
-        throughput *
-        sample_lights(path.scene, light_sampler_, point, 1, rng, [&] { return rng.next_float2(); });
+        throughput * sample_lights(path.scene, light_sampler_, point, {1, path.light_samples}, 1,
+                                   rng, [&] { return rng.next_float2(); });
 }
 
 /// Through the medium up to the surface that comes; true if the path is scattered before.
@@ -207,8 +234,8 @@ void VolumetricPathIntegrator::add_direct_light(Path& path) const {
     const LitSurface surface(at, *at.shape->bsdf(), -path.ray.d);
     path.here = surface.receiver;
     path.sample.result.radiance +=
-        path.beta * sample_lights(path.scene, light_sampler_, surface, path.medium, 1, path.rng,
-                                  path.sample.stream);
+        path.beta * sample_lights(path.scene, light_sampler_, surface, path.medium,
+                                  path.light_samples, 1, path.rng, path.sample.stream);
 }
 
 /// Continues along a direction of the BSDF; false if the path ends. What is found straight through
@@ -226,7 +253,10 @@ bool VolumetricPathIntegrator::scatter_at_surface(Path& path) const {
     }
     path.beta *= sample.weight;
     path.eta2 *= sqr(sample.eta);
-    path.before = {.receiver = path.here, .pdf = sample.pdf, .specular = sample.specular()};
+    path.before = {.receiver = path.here,
+                   .pdf = sample.pdf,
+                   .light_samples = static_cast<float>(path.light_samples),
+                   .specular = sample.specular()};
     path.ray = next->ray;
     path.medium = medium_beyond(at, path.ray.d, path.medium);
     ++path.depth;
@@ -239,14 +269,18 @@ bool VolumetricPathIntegrator::scatter_in_medium(Path& path, const LitPoint& poi
                                                   path.u_lobe_and_roulette.x, path.u_direction);
     if (!(sample.weight > 0)) return false;
     path.beta *= sample.weight;
-    path.before = {.receiver = point.receiver, .pdf = sample.pdf, .specular = false};
+    path.before = {.receiver = point.receiver,
+                   .pdf = sample.pdf,
+                   .light_samples = static_cast<float>(path.light_samples),
+                   .specular = false};
     path.ray = {.o = point.receiver.p, .d = sample.wi};
     ++path.depth;
     return true;
 }
 
-void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample) const {
-    Path path(scene, sample);
+void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample,
+                                     std::uint32_t passes) const {
+    Path path(scene, sample, passes);
     for (int step = 0;; ++step) {
         draw_numbers(path);
         const Vertex vertex = arrive(path);
@@ -262,8 +296,8 @@ void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample) c
             SampleStream& stream = sample.stream;
             sample.result.radiance +=
                 path.beta *
-                (path.direct_weight * sample_lights(scene, light_sampler_, point, 1, path.rng,
-                                                    [&] { return stream.next_2d(); }));
+                (path.direct_weight * sample_lights(scene, light_sampler_, point, {passes, passes},
+                                                    1, path.rng, [&] { return stream.next_2d(); }));
             if (!scatter_in_medium(path, point)) return;
         }
         if (step + 1 < rr_depth_) continue;

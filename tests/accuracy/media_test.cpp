@@ -208,6 +208,22 @@ TEST(WhiteFurnace, O13_MediaThatOnlyScatter) {
     }
 }
 
+/// Walls that emit what they absorb: light samples and directions that meet the walls by chance are
+/// weighted against each other, at walls, at collisions and along rays.
+TEST(WhiteFurnace, O13_AnyNumberOfLightSamples) {
+    const std::string white = number("albedo", 1) + number("sigma_t", 0.8) + hg(0.4);
+    TestCamera camera{.to_world = look({0, 0.2, -0.5}, {0.2, 0.1, 0}), .width = 4, .height = 4};
+    camera.inside = fog("", white);
+    const std::string scene = shape("cube", "",
+                                    boolean("flip_normals", true) + diffuse(0.5) + area_light(0.5) +
+                                        fog("exterior", white)) +
+                              xml(camera);
+    for (const int passes : {1, 3}) {
+        const std::string integrator = volpath(integer("emitter_samples", passes));
+        EXPECT_TRUE(agrees(image_means(integrator + scene, 96), 1, 0.006)) << passes;
+    }
+}
+
 /// Chandrasekhar's H of isotropic scattering (1950, "Radiative Transfer", 37), by iteration of
 /// 1 / H(μ) = √(1 − ϖ) + ϖ/2 ∫ μ' H(μ') / (μ + μ') dμ'.
 double chandrasekhar_h(double albedo, double mu) {

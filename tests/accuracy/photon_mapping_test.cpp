@@ -387,6 +387,21 @@ TEST_P(PhotonIntegrators, SameBitsWhenPassesAreMerged) {
     EXPECT_EQ(in_one_piece(scene, 6), numbers_of(merged));
 }
 
+/// Direct light of a sky is found by light samples and by rays of the BSDF, weighted; here there is
+/// no other.
+TEST(PhotonMapping, G8_TheSkyOverMatteAndGlossyThings) {
+    const std::string scene =
+        shape("rectangle", scale(3), "<bsdf type='roughplastic'/>") + constant_light(0.7) +
+        "<emitter type='constant'><rgb name='radiance' value='0.5'/></emitter>" +
+        xml({.to_world = look({0, -2, 1.5}, {0, 0, 0}), .fov = 20});
+    const RunningStatistics traced =
+        image_means(path_integrator(integer("max_depth", 2)) + scene, 256, 6);
+    for (const char* const type : {"photonmap", "sppm"}) {
+        const std::string how = integrator(type, integer("max_depth", 2));
+        EXPECT_TRUE(agree(image_means(how + scene, 64, 6), traced, 0.01)) << type;
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, PhotonIntegrators, testing::Values("photonmap", "sppm", "ptracer"),
                          [](const auto& one) { return std::string(one.param); });
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Lucerna against Mitsuba 3 in participating media: `volpath` of both, as against_mitsuba.py does it.
+"""Lucerna against Mitsuba 3 in participating media: `volpath` of both, by against_mitsuba.py.
 
 Writes three scenes that both can read into a folder, and measures them there:
 
