@@ -95,10 +95,10 @@ std::optional<float> seen_width(const Scene& scene) {
     return *middle;
 }
 
-/// Unless it is given, some pixels where the camera sees surfaces, so that squared bias and variance
-/// of caustics are alike after some hundred passes; but not so small that few photons are found: a
-/// disk holds at least two of each pass, if they are spread over a sphere around the scene. Small
-/// images have large pixels, but need not show more blur.
+/// Unless it is given, some pixels where the camera sees surfaces, so that squared bias and
+/// variance of caustics are alike after some hundred passes; but not so small that few photons are
+/// found: a disk holds at least two of each pass, if they are spread over a sphere around the
+/// scene. Small images have large pixels, but need not show more blur.
 float SPPMIntegrator::first_radius(const RenderJob& job) const {
     if (initial_radius_ > 0) return initial_radius_;
     constexpr float pixels = 4, fewest_pixels = 128;
