@@ -64,6 +64,17 @@ void check_fits(const StateFile& file, std::span<const StateFile> others) {
     }
 }
 
+/// Opens a file; errors of other versions name it and the first of those that are of this one.
+StateFile open_state(const fs::path& path, std::span<const StateFile> others) {
+    try {
+        return StateFile(path);
+    } catch (const VersionError& e) {
+        if (others.empty()) throw;
+        throw VersionError(fmt::format("{} and {} cannot be merged: {}",
+                                       others.front().path().string(), path.string(), e.what()));
+    }
+}
+
 /// Bands are the outer loop: the sums of one stay in the processor's caches for all files.
 void add_sums(std::span<const StateFile> files, FilmState& film) {
     Workers().run(static_cast<std::int64_t>(files.front().band_count()), [&](std::int64_t band) {
@@ -108,7 +119,7 @@ RenderState merge_states(const std::vector<fs::path>& paths) {
     std::vector<StateFile> files;
     files.reserve(paths.size());
     for (const fs::path& path : paths) {
-        StateFile file(path);
+        StateFile file = open_state(path, files);
         check_fits(file, files);
         files.push_back(std::move(file));
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/packed_sums.h"
 
+#include "core/interfaces/batch/lanes.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -105,40 +107,77 @@ private:
     int count_ = 0;
 };
 
-class BitReader {
-public:
-    /// Reads up to 8 bytes beyond what is asked for.
-    explicit BitReader(const std::uint8_t* bytes) : bytes_(bytes) {}
-    std::uint64_t take(int count) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, bytes_ + (position_ >> 3), sizeof word);
-        word >>= position_ & 7;
-        position_ += static_cast<std::size_t>(count);
-        return word & ((std::uint64_t{1} << count) - 1);
-    }
-
-private:
-    const std::uint8_t* bytes_;
-    std::size_t position_ = 0;
-};
-
 std::size_t bytes_of_group(const GroupHead& head, std::size_t count) {
     if (head.bits == doubles) return count * sizeof(ExactSum);
     return (count * (std::size_t{head.bits} + head.is_signed) + 7) / 8;
 }
 
+/// Sums of a group, in arrays of their own: compilers make vector instructions of loops over them.
+struct alignas(64) GroupSums {
+    std::array<double, group_size> high, low;
+};
+
+/// The bits `position` and up of some bytes, 57 at least; reads 8 bytes.
+std::uint64_t bits_at(const std::uint8_t* bytes, std::size_t position) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes + (position >> 3), sizeof word);
+    return word >> (position & 7);
+}
+
+/// An integer below 2⁵² as a double, without the conversion that most processors have for single
+/// numbers only.
+double as_double(std::uint64_t integer) {
+    constexpr std::uint64_t two_to_52 = 0x4330000000000000u;
+    return std::bit_cast<double>(integer | two_to_52) - std::bit_cast<double>(two_to_52);
+}
+
+/// The sums whose integers lie at `bytes`; reads up to 8 bytes beyond them.
+LUCERNA_VECTORIZED void unpack(const GroupHead& head, const std::uint8_t* bytes, std::size_t count,
+                               GroupSums& sums) {
+    const int low = std::min<int>(head.bits, low_bits), high = head.bits - low;
+    const int sign = head.is_signed;
+    const std::size_t width = std::size_t{head.bits} + head.is_signed;
+    const std::uint64_t low_mask = (std::uint64_t{1} << low) - 1;
+    const std::uint64_t high_mask = (std::uint64_t{1} << high) - 1;
+    const double low_unit = std::ldexp(1.0, head.unit);
+    const double high_unit = std::ldexp(1.0, head.unit + low_bits);
+    std::array<std::uint64_t, group_size> first, second;
+    for (std::size_t i = 0; i < count; ++i) {
+        first[i] = bits_at(bytes, i * width);
+        second[i] = bits_at(bytes, i * width + static_cast<std::size_t>(sign + low));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint64_t negative = head.is_signed ? first[i] << 63 : 0;
+        const std::uint64_t upper = second[i] & high_mask;
+        // The upper part can have 53 bits.
+        const double large = as_double(upper >> 1) * 2 + as_double(upper & 1);
+        const double a = large * high_unit, b = as_double(first[i] >> sign & low_mask) * low_unit;
+        const double sum = a + b, rest = b - (sum - a);
+        sums.high[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(sum) ^ negative);
+        sums.low[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(rest) ^ negative);
+    }
+}
+
+/// Adds `terms` to `sums`.
+LUCERNA_VECTORIZED void add(const GroupSums& terms, std::size_t count, GroupSums& sums) {
+    for (std::size_t i = 0; i < count; ++i) {
+        ExactSum sum = {.high = sums.high[i], .low = sums.low[i]};
+        sum.add({.high = terms.high[i], .low = terms.low[i]});
+        sums.high[i] = sum.high;
+        sums.low[i] = sum.low;
+    }
+}
+
 /// Adds the integers that lie at `bytes` to the sums.
 void add_integers(const GroupHead& head, const std::uint8_t* bytes, SumsOf<ExactSum> sums) {
-    BitReader reader(bytes);
-    const int low = std::min<int>(head.bits, low_bits), high = head.bits - low;
-    const double unit = std::ldexp(1.0, head.unit);
-    const double high_unit = std::ldexp(1.0, head.unit + low_bits);
+    GroupSums terms, all;
+    unpack(head, bytes, sums.count, terms);
     for (std::size_t i = 0; i < sums.count; ++i) {
-        const double sign = head.is_signed && reader.take(1) ? -1 : 1;
-        const auto low_part = static_cast<double>(reader.take(low));
-        if (high > 0) sums[i].add(sign * (static_cast<double>(reader.take(high)) * high_unit));
-        sums[i].add(sign * (low_part * unit));
+        all.high[i] = sums[i].high;
+        all.low[i] = sums[i].low;
     }
+    add(terms, sums.count, all);
+    for (std::size_t i = 0; i < sums.count; ++i) sums[i] = {all.high[i], all.low[i]};
 }
 
 void add_doubles(const std::uint8_t* bytes, SumsOf<ExactSum> sums) {
@@ -152,6 +191,25 @@ void add_doubles(const std::uint8_t* bytes, SumsOf<ExactSum> sums) {
             sums[i].add(sum);
         }
     }
+}
+
+struct Group {
+    GroupHead head;
+    std::span<const std::uint8_t> bytes;  ///< behind the head
+};
+
+/// The group of so many sums at the front of `rest`, which is taken away; nothing if there is none.
+std::optional<Group> take_group(std::span<const std::uint8_t>& rest, std::size_t count) {
+    Group group;
+    if (rest.size() < sizeof group.head) return {};
+    std::memcpy(&group.head, rest.data(), sizeof group.head);
+    const GroupHead& head = group.head;
+    if ((head.bits > most_bits && head.bits != doubles) || head.is_signed > 1) return {};
+    const std::size_t size = bytes_of_group(head, count);
+    if (rest.size() - sizeof head < size) return {};
+    group.bytes = rest.subspan(sizeof head, size);
+    rest = rest.subspan(sizeof head + size);
+    return group;
 }
 
 void put_integers(const GroupHead& head, std::span<const ExactSum> sums, std::string& bytes) {
@@ -220,24 +278,26 @@ std::optional<std::uint8_t> PackedSums::take_byte() {
     return byte;
 }
 
-bool PackedSums::add_group(SumsOf<ExactSum> sums) {
-    GroupHead head;
-    if (rest_.size() < sizeof head) return false;
-    std::memcpy(&head, rest_.data(), sizeof head);
-    rest_ = rest_.subspan(sizeof head);
-    if ((head.bits > most_bits && head.bits != doubles) || head.is_signed > 1) return false;
-    const std::size_t size = bytes_of_group(head, sums.count);
-    if (rest_.size() < size) return false;
-    if (head.bits == doubles) {
-        add_doubles(rest_.data(), sums);
-    } else if (rest_.size() < size + sizeof(std::uint64_t)) {
-        GroupBytes copy = {};
-        std::memcpy(copy.data(), rest_.data(), size);
-        add_integers(head, copy.data(), sums);
-    } else {
-        add_integers(head, rest_.data(), sums);
+std::optional<PackedSums> PackedSums::take(std::size_t count) {
+    const std::span<const std::uint8_t> all = rest_;
+    for (std::size_t i = 0; i < count; i += group_size) {
+        if (!take_group(rest_, std::min(group_size, count - i))) return {};
     }
-    rest_ = rest_.subspan(size);
+    return PackedSums(all.first(all.size() - rest_.size()));
+}
+
+bool PackedSums::add_group(SumsOf<ExactSum> sums) {
+    const std::optional<Group> group = take_group(rest_, sums.count);
+    if (!group) return false;
+    if (group->head.bits == doubles) {
+        add_doubles(group->bytes.data(), sums);
+    } else if (rest_.size() < sizeof(std::uint64_t)) {
+        GroupBytes copy = {};
+        std::memcpy(copy.data(), group->bytes.data(), group->bytes.size());
+        add_integers(group->head, copy.data(), sums);
+    } else {
+        add_integers(group->head, group->bytes.data(), sums);
+    }
     return true;
 }
 

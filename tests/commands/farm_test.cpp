@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `lucerna farm` without Slurm: a packed scene needs nothing but its folder, and its parts make
 /// the bits of one render. slurm.sh beside this file runs it with Slurm.
+#include "core/image/exr.h"
 #include "core/interfaces/command.h"
 #include "tests/commands/process.h"
+#include "tests/vol_writer.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -106,6 +108,47 @@ TEST_F(Farm, EqualFilesArePackedOnce) {
     ASSERT_EQ(pack(2), exit_code::success) << errors;
     EXPECT_EQ(names("job/scene"),
               (std::set<std::string>{"a.obj", "grey.spd", "meshes.xml", "scene.xml"}));
+}
+
+/// A plugin of somebody else, a picture as a texture, the same one as a light, and a volume.
+TEST_F(Farm, PluginsPicturesAndVolumesArePacked) {
+    const fs::path plugins = folder / "their plugins";
+    fs::create_directories(plugins / "shapes");
+    fs::copy(program_path().parent_path().parent_path() / "tests/faulty/shapes/wrong_area.so",
+             plugins / "shapes");
+    ImageFile picture;
+    picture.width = picture.full_width = 4;
+    picture.height = picture.full_height = 2;
+    for (const char* name : {"R", "G", "B"}) {
+        picture.planes.push_back({.name = name, .samples = std::vector<float>(8, 0.5f)});
+    }
+    write_exr(folder / "source/grey.exr", picture);
+    fs::copy(folder / "source/grey.exr", folder / "source/same.exr");
+    write_bytes(folder / "source/smoke.vol",
+                vol_bytes({.resolution = {2, 2, 2}}, std::vector<float>(8, 1.0f)));
+    write("source/scene.xml", R"(<scene version="3.0.0">
+        <integrator type="volpath"/>
+        <sensor type="perspective">
+            <film type="hdrfilm"><integer name="width" value="16"/>
+            <integer name="height" value="16"/></film>
+        </sensor>
+        <shape type="wrong_area"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">
+        <string name="filename" value="grey.exr"/></texture></bsdf></shape>
+        <shape type="cube"><bsdf type="null"/><medium type="heterogeneous" name="interior">
+        <volume type="gridvolume" name="sigma_t"><string name="filename" value="smoke.vol"/>
+        </volume></medium></shape>
+        <emitter type="envmap"><string name="filename" value="same.exr"/></emitter></scene>)");
+    const std::vector<std::string> own = {"--plugins", plugins.string()};
+    ASSERT_EQ(run({"render", "source/scene.xml", "--spp", "8", "-o", "single", own[0], own[1]}),
+              exit_code::success)
+        << errors;
+    ASSERT_EQ(pack(4, own), exit_code::success) << errors;
+    EXPECT_EQ(names("job/scene"), (std::set<std::string>{"grey.exr", "scene.xml", "smoke.vol"}));
+    EXPECT_TRUE(fs::exists(folder / "job/plugins/shapes/wrong_area.so"));
+    fs::rename(folder / "source", folder / "gone");
+    fs::rename(plugins, folder / "gone too");
+    ASSERT_EQ(run({"farm", "job", "--local", "2"}), exit_code::success) << errors;
+    EXPECT_EQ(read_whole(folder / "job/scene.png"), read_whole(folder / "single.png"));
 }
 
 TEST_F(Farm, AnInterruptedRunGoesOnToTheSameBits) {

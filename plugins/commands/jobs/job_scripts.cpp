@@ -74,7 +74,15 @@ constexpr std::string_view merge_script = R"script(#!/usr/bin/env bash
 #SBATCH --open-mode=append
 #SBATCH --requeue
 @OPTIONS@lucerna=${LUCERNA:-@PROGRAM@}
-exec "$lucerna" @COMMAND@
+asked=
+trap 'asked=1' TERM # preempted or cancelled: Slurm requeues it itself, or was told to forget it
+"$lucerna" @COMMAND@
+code=$?
+# Again for a file that cannot be read or written now, as on a full disk.
+if [[ -n ${SLURM_JOB_ID-} && -z $asked ]] && ((code == 75 && ${SLURM_RESTART_COUNT:-0} < 20)); then
+    scontrol requeue "$SLURM_JOB_ID"
+fi
+exit "$code"
 )script";
 
 /// Every "@NAME@" of the text replaced.
