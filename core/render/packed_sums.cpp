@@ -81,30 +81,23 @@ Wide magnitude(const ExactSum& sum, int unit) {
     return (sum.low < 0) == (sum.high < 0) ? h + l : h - l;
 }
 
-/// Little-endian bits, at most 57 at once.
+/// Little-endian bits, at most 57 at once. Writes up to 8 bytes beyond them.
 class BitWriter {
 public:
-    explicit BitWriter(std::string& bytes) : bytes_(bytes) {}
-    ~BitWriter() {
-        while (count_ > 0) put_byte();
-    }
-    BitWriter(const BitWriter&) = delete;
-    BitWriter& operator=(const BitWriter&) = delete;
+    explicit BitWriter(std::uint8_t* bytes) : bytes_(bytes) {}
     void put(std::uint64_t bits, int count) {
         waiting_ |= bits << count_;
+        std::memcpy(bytes_, &waiting_, sizeof waiting_);
         count_ += count;
-        while (count_ >= 8) put_byte();
+        bytes_ += count_ >> 3;
+        waiting_ = count_ >= 64 ? 0 : waiting_ >> (count_ & ~7);
+        count_ &= 7;
     }
 
 private:
-    void put_byte() {
-        bytes_ += static_cast<char>(waiting_ & 0xff);
-        waiting_ >>= 8;
-        count_ -= 8;
-    }
-    std::string& bytes_;
+    std::uint8_t* bytes_;
     std::uint64_t waiting_ = 0;
-    int count_ = 0;
+    int count_ = 0;  ///< bits that wait for the rest of their byte
 };
 
 std::size_t bytes_of_group(const GroupHead& head, std::size_t count) {
@@ -112,72 +105,138 @@ std::size_t bytes_of_group(const GroupHead& head, std::size_t count) {
     return (count * (std::size_t{head.bits} + head.is_signed) + 7) / 8;
 }
 
-/// Sums of a group, in arrays of their own: compilers make vector instructions of loops over them.
-struct alignas(64) GroupSums {
-    std::array<double, group_size> high, low;
+using FourWords = std::uint64_t __attribute__((vector_size(32)));
+
+/// Where the bits of four integers begin, counted from a byte.
+struct BitPlaces {
+    std::array<std::size_t, 4> byte;
+    FourWords bit;  ///< of the byte
+
+    BitPlaces(std::size_t width, std::size_t first) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            byte[i] = (first + i * width) >> 3;
+            bit[i] = (first + i * width) & 7;
+        }
+    }
 };
 
-/// The bits `position` and up of some bytes, 57 at least; reads 8 bytes.
-std::uint64_t bits_at(const std::uint8_t* bytes, std::size_t position) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes + (position >> 3), sizeof word);
-    return word >> (position & 7);
+// Vectors are handed over by reference: by value, how depends on the processor.
+
+/// 57 bits, at least, from each place on; reads 8 bytes.
+inline void bits_at(const std::uint8_t* bytes, const BitPlaces& places, FourWords& bits) {
+    std::array<std::uint64_t, 4> words;
+    for (std::size_t i = 0; i < 4; ++i) {
+        std::memcpy(&words[i], bytes + places.byte[i], sizeof words[i]);
+    }
+    bits = FourWords{words[0], words[1], words[2], words[3]} >> places.bit;
 }
 
-/// An integer below 2⁵² as a double, without the conversion that most processors have for single
+/// Integers below 2⁵² as doubles, without the conversion that most processors have for single
 /// numbers only.
-double as_double(std::uint64_t integer) {
+inline void to_doubles(const FourWords& integers, FourDoubles& result) {
     constexpr std::uint64_t two_to_52 = 0x4330000000000000u;
-    return std::bit_cast<double>(integer | two_to_52) - std::bit_cast<double>(two_to_52);
+    const FourWords bits = integers | two_to_52;
+    std::memcpy(&result, &bits, sizeof result);
+    result -= std::bit_cast<double>(two_to_52);
 }
 
-/// The sums whose integers lie at `bytes`; reads up to 8 bytes beyond them.
-LUCERNA_VECTORIZED void unpack(const GroupHead& head, const std::uint8_t* bytes, std::size_t count,
-                               GroupSums& sums) {
-    const int low = std::min<int>(head.bits, low_bits), high = head.bits - low;
-    const int sign = head.is_signed;
-    const std::size_t width = std::size_t{head.bits} + head.is_signed;
-    const std::uint64_t low_mask = (std::uint64_t{1} << low) - 1;
-    const std::uint64_t high_mask = (std::uint64_t{1} << high) - 1;
-    const double low_unit = std::ldexp(1.0, head.unit);
-    const double high_unit = std::ldexp(1.0, head.unit + low_bits);
-    std::array<std::uint64_t, group_size> first, second;
-    for (std::size_t i = 0; i < count; ++i) {
-        first[i] = bits_at(bytes, i * width);
-        second[i] = bits_at(bytes, i * width + static_cast<std::size_t>(sign + low));
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint64_t negative = head.is_signed ? first[i] << 63 : 0;
-        const std::uint64_t upper = second[i] & high_mask;
+inline void change_signs(const FourWords& negative, FourDoubles& numbers) {
+    FourWords bits;
+    std::memcpy(&bits, &numbers, sizeof bits);
+    bits ^= negative;
+    std::memcpy(&numbers, &bits, sizeof numbers);
+}
+
+/// How the integers of a group become sums.
+class GroupReader {
+public:
+    explicit GroupReader(const GroupHead& head)
+        : low_(std::min<int>(head.bits, low_bits)),
+          sign_(head.is_signed),
+          low_mask_((std::uint64_t{1} << low_) - 1),
+          high_mask_((std::uint64_t{1} << (head.bits - low_)) - 1),
+          low_unit_(std::ldexp(1.0, head.unit)),
+          high_unit_(std::ldexp(1.0, head.unit + low_bits)) {}
+
+    /// Where the upper parts begin, in an integer.
+    std::size_t high_begin() const { return sign_ + static_cast<std::size_t>(low_); }
+
+    /// `begin` and `upper` are the bits from the beginning and from high_begin() on.
+    inline void read(const FourWords& begin, const FourWords& upper, FourExactSums& sums) const {
+        const FourWords high = upper & high_mask_, low = begin >> sign_ & low_mask_;
         // The upper part can have 53 bits.
-        const double large = as_double(upper >> 1) * 2 + as_double(upper & 1);
-        const double a = large * high_unit, b = as_double(first[i] >> sign & low_mask) * low_unit;
-        const double sum = a + b, rest = b - (sum - a);
-        sums.high[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(sum) ^ negative);
-        sums.low[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(rest) ^ negative);
+        FourDoubles most, last, rest;
+        to_doubles(high >> 1, most);
+        to_doubles(high & 1, last);
+        to_doubles(low, rest);
+        const FourDoubles a = (most * 2.0 + last) * high_unit_, b = rest * low_unit_;
+        sums.high = a + b;
+        sums.low = b - (sums.high - a);
+        const FourWords negative = (begin & sign_) << 63;
+        change_signs(negative, sums.high);
+        change_signs(negative, sums.low);
+    }
+
+private:
+    int low_;
+    std::uint64_t sign_, low_mask_, high_mask_;
+    double low_unit_, high_unit_;
+};
+
+// A false alarm of GCC 12 on vectors that are made of four numbers.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+/// Adds terms to four sums.
+inline void add_four(const FourExactSums& terms, SumsOf<ExactSum> sums) {
+    ExactSum &a = sums[0], &b = sums[1], &c = sums[2], &d = sums[3];
+    FourExactSums all = {.high = {a.high, b.high, c.high, d.high},
+                         .low = {a.low, b.low, c.low, d.low}};
+    all.add(terms);
+    a = {all.high[0], all.low[0]};
+    b = {all.high[1], all.low[1]};
+    c = {all.high[2], all.low[2]};
+    d = {all.high[3], all.low[3]};
+}
+
+/// Adds the integers that lie at `bytes` to the sums of a whole group; reads 8 bytes beyond them.
+LUCERNA_VECTORIZED void add_integers(const GroupHead& head, const std::uint8_t* bytes,
+                                     SumsOf<ExactSum> sums) {
+    const GroupReader reader(head);
+    const std::size_t width = std::size_t{head.bits} + head.is_signed;
+    // Eight integers have as many bytes as one has bits.
+    const BitPlaces even(width, 0), odd(width, 4 * width);
+    const BitPlaces even_upper(width, reader.high_begin());
+    const BitPlaces odd_upper(width, 4 * width + reader.high_begin());
+    FourWords begin, upper;
+    FourExactSums terms;
+    for (std::size_t i = 0; i < group_size; i += 8, bytes += width) {
+        bits_at(bytes, even, begin);
+        bits_at(bytes, even_upper, upper);
+        reader.read(begin, upper, terms);
+        add_four(terms, sums.part(i, 4));
+        bits_at(bytes, odd, begin);
+        bits_at(bytes, odd_upper, upper);
+        reader.read(begin, upper, terms);
+        add_four(terms, sums.part(i + 4, 4));
     }
 }
 
-/// Adds `terms` to `sums`.
-LUCERNA_VECTORIZED void add(const GroupSums& terms, std::size_t count, GroupSums& sums) {
-    for (std::size_t i = 0; i < count; ++i) {
-        ExactSum sum = {.high = sums.high[i], .low = sums.low[i]};
-        sum.add({.high = terms.high[i], .low = terms.low[i]});
-        sums.high[i] = sum.high;
-        sums.low[i] = sum.low;
-    }
-}
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
 
-/// Adds the integers that lie at `bytes` to the sums.
-void add_integers(const GroupHead& head, const std::uint8_t* bytes, SumsOf<ExactSum> sums) {
-    GroupSums terms, all;
-    unpack(head, bytes, sums.count, terms);
-    for (std::size_t i = 0; i < sums.count; ++i) {
-        all.high[i] = sums[i].high;
-        all.low[i] = sums[i].low;
-    }
-    add(terms, sums.count, all);
-    for (std::size_t i = 0; i < sums.count; ++i) sums[i] = {all.high[i], all.low[i]};
+/// The same for a group that may not be whole.
+void add_some_integers(const GroupHead& head, const std::uint8_t* bytes, SumsOf<ExactSum> sums) {
+    if (head.bits == 0) return;
+    if (sums.count == group_size) return add_integers(head, bytes, sums);
+    std::array<ExactSum, group_size> whole{};
+    for (std::size_t i = 0; i < sums.count; ++i) whole[i] = sums[i];
+    add_integers(head, bytes, {.first = whole.data(), .count = whole.size()});
+    for (std::size_t i = 0; i < sums.count; ++i) sums[i] = whole[i];
 }
 
 void add_doubles(const std::uint8_t* bytes, SumsOf<ExactSum> sums) {
@@ -212,8 +271,8 @@ std::optional<Group> take_group(std::span<const std::uint8_t>& rest, std::size_t
     return group;
 }
 
-void put_integers(const GroupHead& head, std::span<const ExactSum> sums, std::string& bytes) {
-    BitWriter writer(bytes);
+void put_integers(const GroupHead& head, std::span<const ExactSum> sums, GroupBytes& bytes) {
+    BitWriter writer(bytes.data());
     const int low = std::min<int>(head.bits, low_bits), high = head.bits - low;
     for (const ExactSum& sum : sums) {
         const Wide q = magnitude(sum, head.unit);
@@ -227,26 +286,24 @@ void put(const void* data, std::size_t size, std::string& bytes) {
     bytes.append(static_cast<const char*>(data), size);
 }
 
-/// What was put at `begin` gives the sums again.
-bool gives(std::span<const ExactSum> sums, const GroupHead& head, const std::string& bytes,
-           std::size_t begin) {
-    GroupBytes copy = {};
-    std::memcpy(copy.data(), bytes.data() + begin, bytes.size() - begin);
-    std::array<ExactSum, group_size> again;
-    again.fill({});
-    add_integers(head, copy.data(), {.first = again.data(), .count = sums.size()});
+/// The integers give the sums again.
+bool gives(std::span<const ExactSum> sums, const GroupHead& head, const GroupBytes& bytes) {
+    std::array<ExactSum, group_size> again{};
+    add_some_integers(head, bytes.data(), {.first = again.data(), .count = sums.size()});
     return std::equal(
         sums.begin(), sums.end(), again.begin(),
         [](const ExactSum& a, const ExactSum& b) { return a.high == b.high && a.low == b.low; });
 }
 
 void pack_group(std::span<const ExactSum> sums, std::string& bytes) {
-    const std::size_t begin = bytes.size();
     if (const std::optional<GroupHead> head = common_head(sums)) {
-        put(&*head, sizeof *head, bytes);
-        put_integers(*head, sums, bytes);
-        if (gives(sums, *head, bytes, begin + sizeof *head)) return;
-        bytes.resize(begin);
+        GroupBytes integers = {};
+        put_integers(*head, sums, integers);
+        if (gives(sums, *head, integers)) {
+            put(&*head, sizeof *head, bytes);
+            put(integers.data(), bytes_of_group(*head, sums.size()), bytes);
+            return;
+        }
     }
     const GroupHead head = {.bits = doubles};
     put(&head, sizeof head, bytes);
@@ -291,12 +348,12 @@ bool PackedSums::add_group(SumsOf<ExactSum> sums) {
     if (!group) return false;
     if (group->head.bits == doubles) {
         add_doubles(group->bytes.data(), sums);
-    } else if (rest_.size() < sizeof(std::uint64_t)) {
+    } else if (sums.count < group_size || rest_.size() < sizeof(std::uint64_t)) {
         GroupBytes copy = {};
         std::memcpy(copy.data(), group->bytes.data(), group->bytes.size());
-        add_integers(group->head, copy.data(), sums);
+        add_some_integers(group->head, copy.data(), sums);
     } else {
-        add_integers(group->head, group->bytes.data(), sums);
+        add_some_integers(group->head, group->bytes.data(), sums);
     }
     return true;
 }

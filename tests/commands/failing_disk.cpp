@@ -48,6 +48,7 @@ bool fails(const char* call, int descriptor) {
 
 }  // namespace
 
+#pragma GCC visibility push(default)
 extern "C" {
 
 int stat(const char* path, struct stat* status) {
@@ -77,3 +78,4 @@ int fsync(int descriptor) {
 }
 
 }  // extern "C"
+#pragma GCC visibility pop

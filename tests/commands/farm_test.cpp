@@ -138,11 +138,14 @@ TEST_F(Farm, PluginsPicturesAndVolumesArePacked) {
         <volume type="gridvolume" name="sigma_t"><string name="filename" value="smoke.vol"/>
         </volume></medium></shape>
         <emitter type="envmap"><string name="filename" value="same.exr"/></emitter></scene>)");
-    const std::vector<std::string> own = {"--plugins", plugins.string()};
-    ASSERT_EQ(run({"render", "source/scene.xml", "--spp", "8", "-o", "single", own[0], own[1]}),
-              exit_code::success)
-        << errors;
-    ASSERT_EQ(pack(4, own), exit_code::success) << errors;
+    const std::vector<std::string> scene = {"source/scene.xml", "--spp", "8", "--plugins",
+                                            plugins.string()};
+    std::vector<std::string> render = {"render", "-o", "single"};
+    std::vector<std::string> farm = {"farm", "-o", "job", "--parts", "4"};
+    for (auto* const words : {&render, &farm}) {
+        words->insert(words->end(), scene.begin(), scene.end());
+        ASSERT_EQ(run(*words), exit_code::success) << errors;
+    }
     EXPECT_EQ(names("job/scene"), (std::set<std::string>{"grey.exr", "scene.xml", "smoke.vol"}));
     EXPECT_TRUE(fs::exists(folder / "job/plugins/shapes/wrong_area.so"));
     fs::rename(folder / "source", folder / "gone");
