@@ -155,6 +155,7 @@ public:
           sign_(head.is_signed),
           low_mask_((std::uint64_t{1} << low_) - 1),
           high_mask_((std::uint64_t{1} << (head.bits - low_)) - 1),
+          long_(head.bits - low_ > 52),
           low_unit_(std::ldexp(1.0, head.unit)),
           high_unit_(std::ldexp(1.0, head.unit + low_bits)) {}
 
@@ -164,12 +165,17 @@ public:
     /// `begin` and `upper` are the bits from the beginning and from high_begin() on.
     inline void read(const FourWords& begin, const FourWords& upper, FourExactSums& sums) const {
         const FourWords high = upper & high_mask_, low = begin >> sign_ & low_mask_;
-        // The upper part can have 53 bits.
-        FourDoubles most, last, rest;
-        to_doubles(high >> 1, most);
-        to_doubles(high & 1, last);
+        FourDoubles most, rest;
+        if (long_) {
+            FourDoubles last;
+            to_doubles(high >> 1, most);
+            to_doubles(high & 1, last);
+            most = most * 2.0 + last;
+        } else {
+            to_doubles(high, most);
+        }
         to_doubles(low, rest);
-        const FourDoubles a = (most * 2.0 + last) * high_unit_, b = rest * low_unit_;
+        const FourDoubles a = most * high_unit_, b = rest * low_unit_;
         sums.high = a + b;
         sums.low = b - (sums.high - a);
         const FourWords negative = (begin & sign_) << 63;
@@ -180,6 +186,7 @@ public:
 private:
     int low_;
     std::uint64_t sign_, low_mask_, high_mask_;
+    bool long_;  ///< upper parts have 53 bits, more than to_doubles takes
     double low_unit_, high_unit_;
 };
 
@@ -190,12 +197,17 @@ private:
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
-/// Adds terms to four sums.
+/// Adds terms to four sums. As ExactSum::add for high and low parts one after the other, which has
+/// the same result wherever that is exact: the low parts together have no more bits than one.
 inline void add_four(const FourExactSums& terms, SumsOf<ExactSum> sums) {
     ExactSum &a = sums[0], &b = sums[1], &c = sums[2], &d = sums[3];
     FourExactSums all = {.high = {a.high, b.high, c.high, d.high},
                          .low = {a.low, b.low, c.low, d.low}};
-    all.add(terms);
+    const FourDoubles sum = all.high + terms.high, part = sum - all.high;
+    const FourDoubles error = (all.high - (sum - part)) + (terms.high - part);
+    const FourDoubles small = (all.low + terms.low) + error;
+    all.high = sum + small;
+    all.low = small - (all.high - sum);
     a = {all.high[0], all.low[0]};
     b = {all.high[1], all.low[1]};
     c = {all.high[2], all.low[2]};
@@ -222,6 +234,16 @@ LUCERNA_VECTORIZED void add_integers(const GroupHead& head, const std::uint8_t* 
         bits_at(bytes, odd_upper, upper);
         reader.read(begin, upper, terms);
         add_four(terms, sums.part(i + 4, 4));
+    }
+}
+
+/// Adds terms, one to each sum; their number is a multiple of four.
+LUCERNA_VECTORIZED void add_fours(const ExactSum* terms, SumsOf<ExactSum> sums) {
+    for (std::size_t i = 0; i < sums.count; i += 4) {
+        const ExactSum* const t = terms + i;
+        const FourExactSums four = {.high = {t[0].high, t[1].high, t[2].high, t[3].high},
+                                    .low = {t[0].low, t[1].low, t[2].low, t[3].low}};
+        add_four(four, sums.part(i, 4));
     }
 }
 
@@ -326,6 +348,12 @@ bool PackedSums::add_to(SumsOf<ExactSum> sums) {
         if (!add_group(sums.part(i, group_size))) return false;
     }
     return true;
+}
+
+void add_sums(const ExactSum* terms, SumsOf<ExactSum> sums) {
+    const std::size_t fours = sums.count & ~std::size_t{3};
+    add_fours(terms, sums.part(0, fours));
+    for (std::size_t i = fours; i < sums.count; ++i) sums[i].add(terms[i]);
 }
 
 std::optional<std::uint8_t> PackedSums::take_byte() {

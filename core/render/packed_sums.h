@@ -32,6 +32,9 @@ struct SumsOf {
 /// Appends the sums to `bytes`.
 void pack_sums(SumsOf<const ExactSum> sums, std::string& bytes);
 
+/// Adds terms, one to each sum.
+void add_sums(const ExactSum* terms, SumsOf<ExactSum> sums);
+
 /// Takes sums from the front of packed bytes.
 class PackedSums {
 public:

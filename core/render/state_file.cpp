@@ -222,9 +222,11 @@ private:
                 .count = block.size(),
                 .stride = bins * channels};
             std::optional<PackedSums>& packed = sums_[bin * channels + c];
-            if (packed && !packed->add_to(sums)) return false;
-            if (packed) continue;
-            for (std::size_t i = 0; i < sums.count; ++i) sums[i].add(block_numbers_[i]);
+            if (!packed) {
+                add_sums(block_numbers_.data(), sums);
+            } else if (!packed->add_to(sums)) {
+                return false;
+            }
         }
         return true;
     }
