@@ -43,8 +43,8 @@ public:
     /// Adds as many sums as there are in `sums`, one to each. Added to zeros, they have the bits
     /// that they were packed with. Returns false if the bytes are no packed sums.
     [[nodiscard]] bool add_to(SumsOf<ExactSum> sums);
-    /// The next `count` sums, which were packed by one call, as packed sums of their own; nothing if
-    /// the bytes are no such sums.
+    /// The next `count` sums, which were packed by one call, as packed sums of their own; nothing
+    /// if the bytes are no such sums.
     std::optional<PackedSums> take(std::size_t count);
     /// A byte that was appended between sums; nothing at the end.
     std::optional<std::uint8_t> take_byte();

@@ -6,10 +6,10 @@
     tests/benchmarks/parts.py kills build/release/bin/lucerna [--kills 1000]
 
 overhead: processor seconds of one render and of the same render in parts, from the start of each
-program to its end, with all files that it writes. What a program takes to load and build is measured
-by renders of one sample of one pixel, one before each part, and taken off. Rounds are repeated, and
-the ratio is that within a round: other work on the machine hits both alike. Merging the parts is
-told by itself.
+program to its end, with all files that it writes. What a program takes to load and build is taken
+off: that of a render of one sample of one pixel, of which one runs before each part. The render as
+a whole runs in the middle of its parts, and the ratio is that within a round: other work on the
+machine hits both alike.
 
 kills: two tasks at a time render the parts of a picture; each is killed (SIGKILL or SIGTERM) at a
 random moment and started again, as a scheduler does that goes by exit codes, until there were so

@@ -2,8 +2,8 @@
 /// A disk that fails: preloaded (LD_PRELOAD), it lets calls of the system fail as they do on a full
 /// disk or on a network file system whose server has forgotten a file.
 ///
-/// $LUCERNA_FAILING says which: "CALL ERRNO WORD", for files with WORD in their path. CALL is one of
-/// stat, open (for reading), pread, write and fsync.
+/// $LUCERNA_FAILING says which: "CALL ERRNO WORD", for files with WORD in their path. CALL is one
+/// of stat, open (for reading), pread, write and fsync.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>

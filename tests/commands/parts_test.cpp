@@ -265,7 +265,10 @@ TEST_F(PartsTest, MergingNeedsTheMemoryOfOneFilm) {
         if (part <= 2) few.push_back(file_of(part));
     }
     const auto peak = [&](const std::vector<std::string>& words) {
-        return nlohmann::json::parse(merge(words)).at("figures").at("peak_memory_bytes").get<double>();
+        return nlohmann::json::parse(merge(words))
+            .at("figures")
+            .at("peak_memory_bytes")
+            .get<double>();
     };
     const double of_two = peak(few), file = double(fs::file_size(folder / "parts/1.exr"));
     EXPECT_LT(peak(all), of_two + 3 * file);

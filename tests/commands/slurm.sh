@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # `lucerna farm` with a real Slurm: two virtual nodes on this host, without munge, on loopback.
 # Renders eight parts, stops one part by SIGUSR1 as at a time limit, preempts one by a job that is
-# more urgent, kills a node's daemon with all that runs on it, and compares the merged picture with a
-# single render, bit by bit. Exit code 77:
+# more urgent, kills a node's daemon with all that runs on it, and compares the merged picture with
+# a single render, bit by bit. Exit code 77:
 # Slurm is not installed, or this is not root.
 #
 #   tests/commands/slurm.sh PATH-OF-LUCERNA
@@ -88,9 +88,9 @@ running() { [[ $(squeue --noheader --array --jobs="$job" --states=R | wc -l) -ge
 done_parts() { [[ $(find job/parts -name '*.exr' | wc -l) -ge $1 ]]; }
 wait_for 60 "no parts run" running 2
 
-# As before a time limit: a part writes a checkpoint and asks for another turn. Slurm refuses signals
-# for parts that are just starting, and scancel tries for long to signal one that has gone back to the
-# queue meanwhile.
+# As before a time limit: a part writes a checkpoint and asks for another turn. Slurm refuses
+# signals for parts that are just starting, and scancel tries for long to signal one that has gone
+# back to the queue meanwhile.
 stopped() {
     grep -qE '^end .* (130|143)$' job/records/*.txt && return
     local part
