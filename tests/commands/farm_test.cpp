@@ -225,6 +225,38 @@ TEST_F(Farm, SubmitsWhatIsMissingAndTheMergeAfterIt) {
               std::string::npos);
 }
 
+/// A part and the merge, whose program ends with an exit code, in a Slurm that only writes down what
+/// it is asked for. In Slurm, the last part of an array has the number of the array itself.
+TEST_F(Farm, PartsRequeueThemselvesAndNoOthers) {
+    ASSERT_EQ(pack(2), exit_code::success) << errors;
+    fs::create_directories(folder / "bin");
+    write("bin/scontrol", "#!/bin/sh\necho \"$@\" >> said.txt\n");
+    write("bin/program", "#!/bin/sh\nexit $CODE\n");
+    for (const char* name : {"bin/scontrol", "bin/program"}) {
+        chmod((folder / name).c_str(), 0755);
+    }
+    const auto said = [&](const std::string& script, int code, const std::string& more = "") {
+        fs::remove(folder / "job/said.txt");
+        const std::string command = fmt::format(
+            "cd {} && PATH={}:$PATH LUCERNA={} CODE={} SLURM_JOB_ID=71 {} bash {} > /dev/null",
+            (folder / "job").string(), (folder / "bin").string(), (folder / "bin/program").string(),
+            code, more, script);
+        EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), code);
+        return read_whole(folder / "job/said.txt");
+    };
+    const std::string last = "SLURM_ARRAY_JOB_ID=71 SLURM_ARRAY_TASK_ID=2";
+    EXPECT_EQ(said("part.sh", 75, last), "requeue 71_2\n");
+    EXPECT_EQ(said("part.sh", 137, last), "requeue 71_2\n");
+    EXPECT_EQ(said("part.sh", 75, last + " SLURM_RESTART_COUNT=20"), "");
+    EXPECT_EQ(said("merge.sh", 75), "requeue 71\n");
+    EXPECT_EQ(said("merge.sh", 137), "requeue 71\n");
+    EXPECT_EQ(said("merge.sh", 75, "SLURM_RESTART_COUNT=20"), "");
+    for (const int code : {0, 1, 3, 5}) {
+        EXPECT_EQ(said("part.sh", code, last), "");
+        EXPECT_EQ(said("merge.sh", code), "");
+    }
+}
+
 TEST_F(Farm, WrongArgumentsAreExplained) {
     const auto refuses = [&](const std::vector<std::string>& words, const std::string& message) {
         EXPECT_EQ(run(words), exit_code::usage);
