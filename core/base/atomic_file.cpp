@@ -6,8 +6,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <string>
@@ -15,6 +13,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/system_error.h"
 
 namespace lucerna {
 
@@ -41,13 +40,6 @@ std::string remedy(int error) {
         default:
             return "try again, or write to another place";
     }
-}
-
-/// The same may succeed later, or on another machine.
-bool may_pass(int error) {
-    constexpr std::array passing = {ENOSPC, EDQUOT, EIO,       ESTALE, ETIMEDOUT, EAGAIN,
-                                    ENOLCK, ENFILE, EREMOTEIO, EBUSY,  ENOMEM,    EINTR};
-    return std::find(passing.begin(), passing.end(), error) != passing.end();
 }
 
 [[noreturn]] void fail(const fs::path& path, std::string_view doing, int error) {

@@ -2,19 +2,22 @@
 #include "core/base/file_bytes.h"
 
 #include "core/base/error.h"
+#include "core/base/system_error.h"
 #include "core/math/sequences.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <new>
 #include <span>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -22,71 +25,52 @@ namespace lucerna {
 
 namespace {
 
-/// A regular file that is open for reading, and its size.
-struct OpenFile {
-    std::ifstream stream;
-    std::uintmax_t size = 0;
-};
-
-OpenFile open_file(const std::filesystem::path& path) {
-    const std::string name = path.string();
-    std::error_code code;
-    const std::filesystem::file_status status = std::filesystem::status(path, code);
-    if (status.type() == std::filesystem::file_type::not_found) {
-        throw FileError(fmt::format("{}: there is no such file", name));
-    }
-    if (std::filesystem::is_directory(status)) {
-        throw FileError(fmt::format("{}: is a directory; name a file in it", name));
-    }
-    if (!std::filesystem::is_regular_file(status)) {
-        const bool unknown = code || status.type() == std::filesystem::file_type::none;
-        throw FileError(fmt::format("{}: {}", name,
-                                    unknown ? "cannot be read: " + code.message()
-                                            : "is a pipe or a device; only regular files are read, "
-                                              "copy the data to one"));
-    }
-    OpenFile file;
-    file.size = std::filesystem::file_size(path, code);
-    file.stream.open(path, std::ios::binary);
-    if (code || !file.stream) {
-        throw FileError(
-            fmt::format("{}: cannot be opened for reading; check its permissions", name));
-    }
-    return file;
+[[noreturn]] void fail_reading(const std::filesystem::path& path, std::string_view doing,
+                               int error) {
+    const std::string message = fmt::format("{}: {} failed: {}", path.string(), doing,
+                                            std::generic_category().message(error));
+    if (may_pass(error)) throw TransientFileError(message + "; try again");
+    if (error == EACCES || error == EPERM) throw FileError(message + "; check its permissions");
+    throw FileError(message);
 }
 
-/// Fills `bytes` with what comes next in the file.
-void read(OpenFile& file, std::span<std::uint8_t> bytes, const std::filesystem::path& path) {
-    const auto wanted = static_cast<std::streamsize>(bytes.size());
-    file.stream.read(reinterpret_cast<char*>(bytes.data()), wanted);
-    if (file.stream.gcount() == wanted) return;
-    throw TransientFileError(
-        fmt::format("{}: {} of its {} bytes could not be read; is it being written?", path.string(),
-                    wanted - file.stream.gcount(), file.size));
+/// Its size; throws unless it is a regular file.
+std::uint64_t regular_size(const std::filesystem::path& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) {
+        if (errno != ENOENT && errno != ENOTDIR) fail_reading(path, "looking at it", errno);
+        throw FileError(fmt::format("{}: there is no such file", path.string()));
+    }
+    if (S_ISDIR(status.st_mode)) {
+        throw FileError(fmt::format("{}: is a directory; name a file in it", path.string()));
+    }
+    if (!S_ISREG(status.st_mode)) {
+        throw FileError(fmt::format(
+            "{}: is a pipe or a device; only regular files are read, copy the data to one",
+            path.string()));
+    }
+    return static_cast<std::uint64_t>(status.st_size);
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> read_file_bytes(const std::filesystem::path& path) {
-    OpenFile file = open_file(path);
+    const FileReader file(path);
     std::vector<std::uint8_t> bytes;
     try {
-        bytes.resize(file.size);
+        bytes.resize(file.size());
     } catch (const std::exception&) {
         throw FileError(
-            fmt::format("{}: its {} bytes do not fit into memory", path.string(), file.size));
+            fmt::format("{}: its {} bytes do not fit into memory", path.string(), file.size()));
     }
-    read(file, bytes, path);
+    file.read(0, bytes);
     return bytes;
 }
 
 FileReader::FileReader(const std::filesystem::path& path)
-    : path_(path), descriptor_(-1), size_(open_file(path).size) {
+    : path_(path), descriptor_(-1), size_(regular_size(path)) {
     descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor_ < 0) {
-        throw TransientFileError(fmt::format("{}: opening failed: {}; try again", path.string(),
-                                             std::generic_category().message(errno)));
-    }
+    if (descriptor_ < 0) fail_reading(path, "opening it for reading", errno);
 }
 
 FileReader::FileReader(FileReader&& other) noexcept
@@ -103,13 +87,12 @@ void FileReader::read(std::uint64_t offset, std::span<std::uint8_t> bytes) const
         const ssize_t count =
             ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
         if (count < 0 && errno == EINTR) continue;
-        if (count < 0) {
-            throw TransientFileError(fmt::format("{}: reading failed: {}; try again",
-                                                 path_.string(),
-                                                 std::generic_category().message(errno)));
-        }
+        if (count < 0) fail_reading(path_, "reading", errno);
         if (count == 0) {
-            throw FileError(fmt::format("{}: it ends too early; get it again", path_.string()));
+            throw TransientFileError(
+                fmt::format("{}: its last {} bytes are not there; is it being "
+                            "written?",
+                            path_.string(), bytes.size()));
         }
         bytes = bytes.subspan(static_cast<std::size_t>(count));
         offset += static_cast<std::uint64_t>(count);
@@ -161,14 +144,14 @@ std::uint64_t hash_of_bytes(std::span<const std::uint8_t> bytes) {
 }
 
 std::uint64_t hash_of_file(const std::filesystem::path& path) {
-    OpenFile file = open_file(path);
+    const FileReader file(path);
     ChainedHash hash;
     std::vector<std::uint8_t> block(std::size_t{1} << 18);
-    for (std::uintmax_t left = file.size; left > 0;) {
-        const std::size_t count = std::min<std::uintmax_t>(left, block.size());
-        read(file, std::span(block).first(count), path);
+    for (std::uint64_t offset = 0; offset < file.size();) {
+        const std::size_t count = std::min<std::uint64_t>(file.size() - offset, block.size());
+        file.read(offset, std::span(block).first(count));
         hash.add(std::span(block).first(count));
-        left -= count;
+        offset += count;
     }
     return hash.value();
 }

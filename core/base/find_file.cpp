@@ -2,6 +2,7 @@
 #include "core/base/find_file.h"
 
 #include "core/base/error.h"
+#include "core/base/system_error.h"
 
 #include <fmt/format.h>
 
@@ -19,8 +20,13 @@ fs::path find(std::string_view name, const std::vector<std::string>& folders, fs
     std::vector<std::string> tried;
     for (const std::string& folder : folders) {
         const fs::path path = (fs::path(folder) / name).lexically_normal();
-        std::error_code ignored;  // what cannot be looked at is not there
-        const fs::file_status status = fs::status(path, ignored);
+        std::error_code problem;
+        const fs::file_status status = fs::status(path, problem);
+        if (may_pass(problem.value())) {
+            throw TransientFileError(fmt::format("{}: looking at it failed: {}; try again",
+                                                 path.string(), problem.message()));
+        }
+        // What cannot be looked at for another reason is not there.
         if (!name.empty() && status.type() == type) return path;
         const std::string remark = fs::exists(status) ? ", which is not a " + what : "";
         if (std::find(tried.begin(), tried.end(), path.string() + remark) == tried.end()) {

@@ -80,6 +80,8 @@ auto PropertyReader::attempt(const Tag& tag, std::string_view attribute, Parse p
     -> std::optional<decltype(parse())> {
     try {
         return parse();
+    } catch (const TransientFileError&) {
+        throw;  // no fault of the scene
     } catch (const Error& error) {
         diagnostics_.error(tag.where(attribute), error.what());
     } catch (const std::invalid_argument& error) {  // of Transform

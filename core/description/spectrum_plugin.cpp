@@ -139,6 +139,8 @@ std::optional<PropertyValue> read_spectrum_plugin(std::string_view type, Locatio
         PropertyValue value = value_of(type, parts, in_emitter);
         parts.require_all_known();
         return value;
+    } catch (const TransientFileError&) {
+        throw;  // no fault of the scene
     } catch (const Error& error) {
         diagnostics.error(parts.place, error.what());
     }

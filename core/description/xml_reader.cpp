@@ -302,6 +302,8 @@ private:
             const fs::path folder = find_folder(tag.value("value"), description_.search_paths);
             description_.search_paths.insert(description_.search_paths.begin(), folder.string());
             description_.found_files.push_back({tag.where("value"), folder.string()});
+        } catch (const TransientFileError&) {
+            throw;  // no fault of the scene
         } catch (const Error& error) {
             diagnostics_.error(tag.where("value"), error.what());
         }
@@ -334,6 +336,8 @@ private:
             ++inner.include_depth;
             read_source(inner, source, into);
             open_files_.pop_back();
+        } catch (const TransientFileError&) {
+            throw;  // no fault of the scene
         } catch (const Error& error) {
             diagnostics_.error(where, error.what());
         } catch (const fs::filesystem_error& error) {
@@ -379,6 +383,8 @@ Description read_scene(const fs::path& file, const ReadOptions& options, Diagnos
         }
         const std::vector<std::uint8_t> bytes = read_file_bytes(file);
         text.assign(bytes.begin(), bytes.end());
+    } catch (const TransientFileError&) {
+        throw;  // no fault of the scene
     } catch (const Error& error) {
         diagnostics.error({}, error.what());
         return {};

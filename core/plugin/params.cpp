@@ -361,6 +361,8 @@ std::filesystem::path Params::file(std::string_view name, std::string_view doc) 
         const std::filesystem::path found = context_.find_file(*value);
         made_up_ = made_up_before;
         return found;
+    } catch (const TransientFileError&) {
+        throw;  // no fault of the scene
     } catch (const Error& e) {
         error(name, e.what());
         return {};

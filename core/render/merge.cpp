@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -64,6 +66,40 @@ void check_fits(const StateFile& file, std::span<const StateFile> others) {
     }
 }
 
+/// Files that are opened side by side, since each is read in part.
+class Opening {
+public:
+    explicit Opening(const std::vector<fs::path>& paths)
+        : files_(paths.size()), problems_(paths.size()) {
+        Workers().run(std::ssize(paths), [&](std::int64_t index) {
+            const auto i = static_cast<std::size_t>(index);
+            try {
+                files_[i].emplace(paths[i]);
+            } catch (const FileError&) {
+                problems_[i] = std::current_exception();
+            }
+        });
+    }
+
+    /// File `i`; throws what is wrong with it. Errors of other versions also name the first of the
+    /// files before, which is of this one.
+    StateFile take(std::size_t i, const fs::path& path, std::span<const StateFile> before) {
+        try {
+            if (problems_[i]) std::rethrow_exception(problems_[i]);
+        } catch (const VersionError& e) {
+            if (before.empty()) throw;
+            throw VersionError(fmt::format("{} and {} cannot be merged: {}",
+                                           before.front().path().string(), path.string(),
+                                           e.what()));
+        }
+        return std::move(*files_[i]);
+    }
+
+private:
+    std::vector<std::optional<StateFile>> files_;
+    std::vector<std::exception_ptr> problems_;
+};
+
 /// Bands are the outer loop: the sums of one stay in the processor's caches for all files.
 void add_sums(std::span<const StateFile> files, FilmState& film) {
     Workers().run(static_cast<std::int64_t>(files.front().band_count()), [&](std::int64_t band) {
@@ -107,8 +143,9 @@ RenderState merge_states(const std::vector<fs::path>& paths) {
     if (paths.empty()) throw Error("there is nothing to merge");
     std::vector<StateFile> files;
     files.reserve(paths.size());
-    for (const fs::path& path : paths) {
-        StateFile file(path);
+    Opening opening(paths);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        StateFile file = opening.take(i, paths[i], files);
         check_fits(file, files);
         files.push_back(std::move(file));
     }

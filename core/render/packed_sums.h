@@ -32,6 +32,9 @@ struct SumsOf {
 /// Appends the sums to `bytes`.
 void pack_sums(SumsOf<const ExactSum> sums, std::string& bytes);
 
+/// Adds terms, one to each sum.
+void add_sums(const ExactSum* terms, SumsOf<ExactSum> sums);
+
 /// Takes sums from the front of packed bytes.
 class PackedSums {
 public:
@@ -40,6 +43,9 @@ public:
     /// Adds as many sums as there are in `sums`, one to each. Added to zeros, they have the bits
     /// that they were packed with. Returns false if the bytes are no packed sums.
     [[nodiscard]] bool add_to(SumsOf<ExactSum> sums);
+    /// The next `count` sums, which were packed by one call, as packed sums of their own; nothing
+    /// if the bytes are no such sums.
+    std::optional<PackedSums> take(std::size_t count);
     /// A byte that was appended between sums; nothing at the end.
     std::optional<std::uint8_t> take_byte();
     bool at_end() const { return rest_.empty(); }

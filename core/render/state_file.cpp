@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cstddef>
@@ -132,53 +133,100 @@ std::string packed_band(const FilmState& film, PixelRange pixels) {
 }
 
 /// Adds the packed sums of some pixels to a film.
+///
+/// Sums lie channel by channel in the bytes, and pixel by pixel in the film. So the beginning of
+/// each channel is looked for first; then all channels of a few pixels are added while these pixels
+/// are in the processor's nearest cache.
 class BandAdder {
 public:
     BandAdder(std::span<const std::uint8_t> bytes, PixelRange pixels, FilmState& film)
-        : packed_(bytes), pixels_(pixels), film_(film), numbers_(pixels.size()) {}
+        : packed_(bytes), pixels_(pixels), film_(film) {}
 
     /// Returns false if the bytes are not what packed_band makes.
     [[nodiscard]] bool add() {
-        bool right = add_numbers(film_.dropped(), 1, 0);
-        for (const std::size_t half : {0u, 1u}) {
-            right = right && add_numbers(film_.counts(), 2, half);
-        }
-        right = right &&
-                packed_.add_to({.first = &film_.squares()[pixels_.begin], .count = pixels_.size()});
-        for (std::size_t bin = 0; bin < film_.bin_count() && right; ++bin) right = add_bin(bin);
-        return right && packed_.at_end();
-    }
-
-private:
-    template <typename Integer>
-    bool add_numbers(std::span<Integer> numbers, std::size_t stride, std::size_t first) {
-        std::fill(numbers_.begin(), numbers_.end(), ExactSum());
-        if (!packed_.add_to({.first = numbers_.data(), .count = numbers_.size()})) return false;
-        for (std::size_t i = 0; i < pixels_.size(); ++i) {
-            numbers[(pixels_.begin + i) * stride + first] +=
-                static_cast<Integer>(static_cast<std::int64_t>(numbers_[i].high) +
-                                     static_cast<std::int64_t>(numbers_[i].low));
+        if (!find_channels()) return false;
+        for (std::size_t begin = pixels_.begin; begin < pixels_.end; begin += most_in_block) {
+            const PixelRange block = {.begin = begin,
+                                      .end = std::min(begin + most_in_block, pixels_.end)};
+            if (!add_block(block)) return false;
         }
         return true;
     }
 
-    bool add_bin(std::size_t bin) {
+private:
+    /// A multiple of the size of groups: sums are packed in whole ones.
+    static constexpr std::size_t most_in_block = 512;
+    using Numbers = std::array<ExactSum, most_in_block>;
+
+    bool find_channels() {
         const std::size_t bins = film_.bin_count(), channels = film_.sum_count();
-        if (!add_numbers(film_.weights(), bins, bin)) return false;
+        for (int i = 0; i < 4; ++i) {  // dropped, counts of both halves, squares
+            if (!find(numbers_)) return false;
+        }
+        for (std::size_t i = 0; i < bins; ++i) {
+            if (!find(weights_)) return false;
+            for (std::size_t c = 0; c < channels; ++c) {
+                if (c == alpha_channel) {
+                    const std::optional<std::uint8_t> alpha = packed_.take_byte();
+                    if (!alpha) return false;
+                    if (*alpha == static_cast<std::uint8_t>(AlphaSums::weights)) {
+                        sums_.emplace_back();
+                        continue;
+                    }
+                }
+                if (!find(sums_)) return false;
+            }
+        }
+        return packed_.at_end();
+    }
+
+    template <typename List>
+    bool find(List& list) {
+        const std::optional<PackedSums> channel = packed_.take(pixels_.size());
+        if (channel) list.push_back(*channel);
+        return channel.has_value();
+    }
+
+    bool add_block(PixelRange block) {
+        bool right = add_numbers(numbers_[0], block, film_.dropped(), 1, 0);
+        for (const std::size_t half : {0u, 1u}) {
+            right = right && add_numbers(numbers_[1 + half], block, film_.counts(), 2, half);
+        }
+        right = right &&
+                numbers_[3].add_to({.first = &film_.squares()[block.begin], .count = block.size()});
+        for (std::size_t bin = 0; bin < film_.bin_count() && right; ++bin) {
+            right = add_bin(block, bin);
+        }
+        return right;
+    }
+
+    template <typename Integer>
+    bool add_numbers(PackedSums& packed, PixelRange block, std::span<Integer> numbers,
+                     std::size_t stride, std::size_t first) {
+        std::fill_n(block_numbers_.begin(), block.size(), ExactSum());
+        if (!packed.add_to({.first = block_numbers_.data(), .count = block.size()})) return false;
+        for (std::size_t i = 0; i < block.size(); ++i) {
+            numbers[(block.begin + i) * stride + first] +=
+                static_cast<Integer>(static_cast<std::int64_t>(block_numbers_[i].high) +
+                                     static_cast<std::int64_t>(block_numbers_[i].low));
+        }
+        return true;
+    }
+
+    bool add_bin(PixelRange block, std::size_t bin) {
+        const std::size_t bins = film_.bin_count(), channels = film_.sum_count();
+        if (!add_numbers(weights_[bin], block, film_.weights(), bins, bin)) return false;
         for (std::size_t c = 0; c < channels; ++c) {
             const SumsOf<ExactSum> sums = {
-                .first = &film_.sums()[(pixels_.begin * bins + bin) * channels + c],
-                .count = pixels_.size(),
+                .first = &film_.sums()[(block.begin * bins + bin) * channels + c],
+                .count = block.size(),
                 .stride = bins * channels};
-            if (c == alpha_channel) {
-                const std::optional<std::uint8_t> alpha = packed_.take_byte();
-                if (!alpha) return false;
-                if (*alpha == static_cast<std::uint8_t>(AlphaSums::weights)) {
-                    for (std::size_t i = 0; i < sums.count; ++i) sums[i].add(numbers_[i]);
-                    continue;
-                }
+            std::optional<PackedSums>& packed = sums_[bin * channels + c];
+            if (!packed) {
+                add_sums(block_numbers_.data(), sums);
+            } else if (!packed->add_to(sums)) {
+                return false;
             }
-            if (!packed_.add_to(sums)) return false;
         }
         return true;
     }
@@ -186,7 +234,9 @@ private:
     PackedSums packed_;
     PixelRange pixels_;
     FilmState& film_;
-    std::vector<ExactSum> numbers_;
+    std::vector<PackedSums> numbers_, weights_;    ///< the latter for each bin
+    std::vector<std::optional<PackedSums>> sums_;  ///< bins · channels; nothing: as the weights
+    Numbers block_numbers_;
 };
 
 std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }

@@ -143,6 +143,8 @@ Object* ObjectBuilder::construct(const Element& element, const PluginInfo& info,
         object.reset(info.create(params));
     } catch (const std::bad_alloc&) {
         thrown = fmt::format("not enough memory for {} \"{}\"", element.kind, element.type);
+    } catch (const TransientFileError&) {
+        throw;  // no fault of the scene
     } catch (const PluginError& e) {
         diagnostics_.plugin_error(element.where, e.what());
     } catch (const std::exception& e) {

@@ -4,10 +4,10 @@
 #include "core/render/merge.h"
 #include "core/base/atomic_file.h"
 #include "core/command_line/arguments.h"
-#include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/output.h"
 #include "core/render/stored_film.h"
+#include "plugins/commands/try_again.h"
 
 #include <fmt/format.h>
 
@@ -206,19 +206,14 @@ public:
         Arguments arguments("merge", "Makes the whole picture of the parts of a render.");
         declare(arguments, request);
         if (const std::optional<int> code = arguments.parse(words)) return *code;
-        const std::string problem = contradiction(request);
-        if (!problem.empty()) {
-            fmt::print(stderr, "lucerna merge: {}\n", problem);
-            return exit_code::usage;
-        }
         ignore_write_signals();
         allow_many_files();
-        try {
-            return Merge(request, shell_text("merge", words)).run();
-        } catch (const TransientFileError& e) {
-            fmt::print(stderr, "{}\n", e.what());
-            return exit_code::try_again;
-        }
+        return or_try_again([&] {
+            const std::string problem = contradiction(request);
+            if (problem.empty()) return Merge(request, shell_text("merge", words)).run();
+            fmt::print(stderr, "lucerna merge: {}\n", problem);
+            return exit_code::usage;
+        });
     }
 };
 

@@ -4,7 +4,7 @@
 ///     merge_benchmark [PARTS [FOLDER [WIDTH HEIGHT]]]
 ///
 /// Every pixel has 16 samples of random light, spread by a Gaussian filter. The files of 64 parts
-/// take 10 GB in FOLDER; they are removed at the end.
+/// take 10 GB. They stay in FOLDER, if it is given, for `lucerna merge FOLDER/*.exr -o PICTURE`.
 #include "core/base/atomic_file.h"
 #include "core/base/parallel.h"
 #include "core/math/sequences.h"
@@ -69,10 +69,10 @@ FilmState random_film(Vector2i size, std::uint64_t first_sample) {
     return film;
 }
 
-void measure(std::uint64_t parts, const fs::path& folder, Vector2i size) {
+void measure(std::uint64_t parts, const fs::path& folder, bool keep, Vector2i size) {
     fs::create_directories(folder);
     std::vector<fs::path> files;
-    double writing = 0;
+    double writing = 0, cpu_of_writing = 0;
     std::uintmax_t bytes = 0;
     {
         const FilmState film = random_film(size, 0);
@@ -82,14 +82,19 @@ void measure(std::uint64_t parts, const fs::path& folder, Vector2i size) {
             part.samples = SampleRanges({.begin = k * samples, .end = (k + 1) * samples});
             part.planned = part.samples;
             const Clock::time_point start = Clock::now();
+            const double cpu = cpu_seconds();
             write_state(files.back(), film, {}, 1, part);
             writing += seconds_since(start);
+            cpu_of_writing += cpu_seconds() - cpu;
             bytes += fs::file_size(files.back());
         }
     }
     const auto count = static_cast<double>(parts);
-    fmt::print("{} parts of {} x {} pixels: {:.0f} MB each, written in {:.2f} s each\n", parts,
-               size.x, size.y, static_cast<double>(bytes) / count * 1e-6, writing / count);
+    fmt::print(
+        "{} parts of {} x {} pixels: {:.0f} MB each, written in {:.2f} s each ({:.2f} s of "
+        "processor time)\n",
+        parts, size.x, size.y, static_cast<double>(bytes) / count * 1e-6, writing / count,
+        cpu_of_writing / count);
     const std::uint64_t memory_before = peak_memory();
     const double cpu_before = cpu_seconds();
     const Clock::time_point start = Clock::now();
@@ -100,7 +105,7 @@ void measure(std::uint64_t parts, const fs::path& folder, Vector2i size) {
                merged.film.complete_samples());
     fmt::print("peak memory: {} MB before merging (writing), {} MB after\n",
                memory_before / 1000000, peak_memory() / 1000000);
-    for (const fs::path& file : files) fs::remove(file);
+    if (!keep) fs::remove_all(folder);
 }
 
 }  // namespace
@@ -112,6 +117,6 @@ int main(int argc, char** argv) {
     };
     const std::filesystem::path folder =
         argc > 2 ? argv[2] : std::filesystem::temp_directory_path() / "lucerna_parts";
-    lucerna::measure(static_cast<std::uint64_t>(number(1, 64)), folder,
+    lucerna::measure(static_cast<std::uint64_t>(number(1, 64)), folder, argc > 2,
                      {static_cast<int>(number(3, 1920)), static_cast<int>(number(4, 1080))});
 }

@@ -5,8 +5,11 @@
     tests/benchmarks/parts.py overhead build/release/bin/lucerna [--parts 64] [--spp 4096]
     tests/benchmarks/parts.py kills build/release/bin/lucerna [--kills 1000]
 
-overhead: processor seconds of one render and of the same render in parts, loading and building
-aside, and the share of the difference. Pairs of runs are repeated; machines are never idle.
+overhead: processor seconds of one render and of the same render in parts, from the start of each
+program to its end, with all files that it writes. What a program takes to load and build is taken
+off: that of a render of one sample of one pixel, of which one runs before each part. The render as
+a whole runs in the middle of its parts, and the ratio is that within a round: other work on the
+machine hits both alike.
 
 kills: two tasks at a time render the parts of a picture; each is killed (SIGKILL or SIGTERM) at a
 random moment and started again, as a scheduler does that goes by exit codes, until there were so
@@ -15,8 +18,10 @@ render. Fails if one bit differs, or if an exit code is none that a scheduler sh
 """
 import argparse
 import json
+import os
 import random
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -40,32 +45,53 @@ def run(words):
     return json.loads(done.stdout) if "--json" in words else done.stdout
 
 
-def seconds(figures):
-    """Processor seconds without those of loading and building, which have one thread here."""
-    return figures["cpu_seconds"] - figures["load_seconds"] - figures["build_seconds"]
+def processor_seconds(words):
+    """Of a program and all its threads."""
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        sys.exit(f"exit code {process.returncode}: {words}")
+    return usage.ru_utime + usage.ru_stime
+
+
+def preparation(options, folder):
+    """Processor seconds of a program that does no more than load and build."""
+    file = folder / "nothing.exr"
+    file.unlink(missing_ok=True)
+    return processor_seconds(render(options, 1, "-q", "--crop", "0,0,1,1", "--part", "1/1",
+                                    "-o", file))
 
 
 def overhead(options, folder):
-    ratios = []
-    for repetition in range(options.repetitions):
-        whole = run(render(options, options.spp, "--json", "-o", folder / "whole"))["figures"]
-        parts = []
-        for k in range(1, options.parts + 1):
-            file = folder / f"{k}.exr"
-            file.unlink(missing_ok=True)
-            words = render(options, options.spp, "--json", "--part", f"{k}/{options.parts}",
-                           "-o", file)
-            parts.append(run(words)["figures"])
-        in_parts = sum(map(seconds, parts))
-        ratios.append(in_parts / seconds(whole))
-        print(f"whole {seconds(whole):.2f} s, {options.parts} parts {in_parts:.2f} s: "
-              f"overhead {100 * (ratios[-1] - 1):+.1f} %", flush=True)
     files = [folder / f"{k}.exr" for k in range(1, options.parts + 1)]
-    begin = time.monotonic()
-    run(command(options, "merge", *files, "-q", "-o", folder / "merged"))
-    print(f"merged in {time.monotonic() - begin:.2f} s; "
-          f"median overhead {100 * (sorted(ratios)[len(ratios) // 2] - 1):+.1f} %")
+    without, with_merging = [], []
+    for _ in range(options.repetitions):
+        preparations, parts = [], []
+        for k, file in enumerate(files, 1):
+            file.unlink(missing_ok=True)
+            preparations.append(preparation(options, folder))
+            parts.append(processor_seconds(render(options, options.spp, "-q", "--part",
+                                                  f"{k}/{options.parts}", "-o", file)))
+            if k == options.parts // 2:
+                whole = processor_seconds(render(options, options.spp, "-q", "-o",
+                                                 folder / "whole"))
+        merging = processor_seconds(command(options, "merge", *files, "-q", "-o",
+                                            folder / "merged"))
+        prepared = statistics.median(preparations)
+        in_parts, whole = sum(parts) - options.parts * prepared, whole - prepared
+        without.append(in_parts / whole)
+        with_merging.append((in_parts + merging) / whole)
+        print(f"whole {whole:.2f} s, {options.parts} parts {in_parts:.2f} s without {prepared:.3f} "
+              f"s each to load and build, merging {merging:.2f} s: overhead "
+              f"{percent(without[-1])}, with merging {percent(with_merging[-1])}", flush=True)
+    print(f"median overhead {percent(statistics.median(without))}, with merging "
+          f"{percent(statistics.median(with_merging))}")
     return same(options, folder)
+
+
+def percent(ratio):
+    return f"{100 * (ratio - 1):+.1f} %"
 
 
 def same(options, folder):

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `lucerna farm` without Slurm: a packed scene needs nothing but its folder, and its parts make
 /// the bits of one render. slurm.sh beside this file runs it with Slurm.
+#include "core/image/exr.h"
 #include "core/interfaces/command.h"
 #include "tests/commands/process.h"
+#include "tests/vol_writer.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -108,6 +110,50 @@ TEST_F(Farm, EqualFilesArePackedOnce) {
               (std::set<std::string>{"a.obj", "grey.spd", "meshes.xml", "scene.xml"}));
 }
 
+/// A plugin of somebody else, a picture as a texture, the same one as a light, and a volume.
+TEST_F(Farm, PluginsPicturesAndVolumesArePacked) {
+    const fs::path plugins = folder / "their plugins";
+    fs::create_directories(plugins / "shapes");
+    fs::copy(program_path().parent_path().parent_path() / "tests/faulty/shapes/wrong_area.so",
+             plugins / "shapes");
+    ImageFile picture;
+    picture.width = picture.full_width = 4;
+    picture.height = picture.full_height = 2;
+    for (const char* name : {"R", "G", "B"}) {
+        picture.planes.push_back({.name = name, .samples = std::vector<float>(8, 0.5f)});
+    }
+    write_exr(folder / "source/grey.exr", picture);
+    fs::copy(folder / "source/grey.exr", folder / "source/same.exr");
+    write_bytes(folder / "source/smoke.vol",
+                vol_bytes({.resolution = {2, 2, 2}}, std::vector<float>(8, 1.0f)));
+    write("source/scene.xml", R"(<scene version="3.0.0">
+        <integrator type="volpath"/>
+        <sensor type="perspective">
+            <film type="hdrfilm"><integer name="width" value="16"/>
+            <integer name="height" value="16"/></film>
+        </sensor>
+        <shape type="wrong_area"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">
+        <string name="filename" value="grey.exr"/></texture></bsdf></shape>
+        <shape type="cube"><bsdf type="null"/><medium type="heterogeneous" name="interior">
+        <volume type="gridvolume" name="sigma_t"><string name="filename" value="smoke.vol"/>
+        </volume></medium></shape>
+        <emitter type="envmap"><string name="filename" value="same.exr"/></emitter></scene>)");
+    const std::vector<std::string> scene = {"source/scene.xml", "--spp", "8", "--plugins",
+                                            plugins.string()};
+    std::vector<std::string> render = {"render", "-o", "single"};
+    std::vector<std::string> farm = {"farm", "-o", "job", "--parts", "4"};
+    for (auto* const words : {&render, &farm}) {
+        words->insert(words->end(), scene.begin(), scene.end());
+        ASSERT_EQ(run(*words), exit_code::success) << errors;
+    }
+    EXPECT_EQ(names("job/scene"), (std::set<std::string>{"grey.exr", "scene.xml", "smoke.vol"}));
+    EXPECT_TRUE(fs::exists(folder / "job/plugins/shapes/wrong_area.so"));
+    fs::rename(folder / "source", folder / "gone");
+    fs::rename(plugins, folder / "gone too");
+    ASSERT_EQ(run({"farm", "job", "--local", "2"}), exit_code::success) << errors;
+    EXPECT_EQ(read_whole(folder / "job/scene.png"), read_whole(folder / "single.png"));
+}
+
 TEST_F(Farm, AnInterruptedRunGoesOnToTheSameBits) {
     ASSERT_EQ(run({"render", "source/scene.xml", "-D", "model=a", "--spp", "4000", "-o", "single"}),
               exit_code::success);
@@ -177,6 +223,38 @@ TEST_F(Farm, SubmitsWhatIsMissingAndTheMergeAfterIt) {
               "--parsable --dependency=afterok:71 merge.sh\n");
     EXPECT_NE(read_whole(folder / "job/part.sh").find("#SBATCH --partition=long\n"),
               std::string::npos);
+}
+
+/// A part and the merge, whose program ends with an exit code, in a Slurm that only writes down what
+/// it is asked for. In Slurm, the last part of an array has the number of the array itself.
+TEST_F(Farm, PartsRequeueThemselvesAndNoOthers) {
+    ASSERT_EQ(pack(2), exit_code::success) << errors;
+    fs::create_directories(folder / "bin");
+    write("bin/scontrol", "#!/bin/sh\necho \"$@\" >> said.txt\n");
+    write("bin/program", "#!/bin/sh\nexit $CODE\n");
+    for (const char* name : {"bin/scontrol", "bin/program"}) {
+        chmod((folder / name).c_str(), 0755);
+    }
+    const auto said = [&](const std::string& script, int code, const std::string& more = "") {
+        fs::remove(folder / "job/said.txt");
+        const std::string command = fmt::format(
+            "cd {} && PATH={}:$PATH LUCERNA={} CODE={} SLURM_JOB_ID=71 {} bash {} > /dev/null",
+            (folder / "job").string(), (folder / "bin").string(), (folder / "bin/program").string(),
+            code, more, script);
+        EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), code);
+        return read_whole(folder / "job/said.txt");
+    };
+    const std::string last = "SLURM_ARRAY_JOB_ID=71 SLURM_ARRAY_TASK_ID=2";
+    EXPECT_EQ(said("part.sh", 75, last), "requeue 71_2\n");
+    EXPECT_EQ(said("part.sh", 137, last), "requeue 71_2\n");
+    EXPECT_EQ(said("part.sh", 75, last + " SLURM_RESTART_COUNT=20"), "");
+    EXPECT_EQ(said("merge.sh", 75), "requeue 71\n");
+    EXPECT_EQ(said("merge.sh", 137), "requeue 71\n");
+    EXPECT_EQ(said("merge.sh", 75, "SLURM_RESTART_COUNT=20"), "");
+    for (const int code : {0, 1, 3, 5}) {
+        EXPECT_EQ(said("part.sh", code, last), "");
+        EXPECT_EQ(said("merge.sh", code), "");
+    }
 }
 
 TEST_F(Farm, WrongArgumentsAreExplained) {

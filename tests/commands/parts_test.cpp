@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Renders in parts: `lucerna render --part` and `lucerna merge`, killed and started again.
+#include "core/interfaces/light_sampler.h"
 #include "core/math/sequences.h"
 #include "core/plugin/registry.h"
 #include "core/render/state_file.h"
 #include "tests/commands/render_command.h"
 #include "tests/core/render/films.h"
 
-#include <sys/stat.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cerrno>
 
 namespace lucerna {
 namespace {
@@ -49,25 +53,81 @@ protected:
     }
 };
 
-class PartsOfIntegrators : public PartsTest, public testing::WithParamInterface<std::string> {};
+/// A room with 24 lights, a ball of glass that casts caustics, and a ball of fog.
+std::string room() {
+    std::string lamps;
+    for (int i = 0; i < 12; ++i) {
+        lamps += fmt::format(
+            R"(<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="90"/>
+            <scale value="0.1"/><translate value="{}, 1.9, {}"/></transform>
+            <emitter type="area"><rgb name="radiance" value="{}, 4, 3"/></emitter></shape>
+            <emitter type="point"><point name="position" value="{}, 1.5, {}"/>
+            <float name="intensity" value="0.1"/></emitter>)",
+            0.3 * (i % 4) - 0.5, 0.4 * (i / 4) - 0.5, i + 1, 0.2 * (i % 6) - 0.5, 0.3 * (i / 6));
+    }
+    return R"(<scene version="3.0.0">
+        <integrator type="path"/>
+        <sensor type="perspective">
+            <transform name="to_world">
+                <lookat origin="0, 1, 4" target="0, 0.5, 0" up="0, 1, 0"/>
+            </transform>
+            <film type="hdrfilm">
+                <integer name="width" value="32"/><integer name="height" value="24"/>
+                <string name="component_format" value="float32"/>
+            </film>
+        </sensor>
+        <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/>
+        <scale value="2"/></transform></shape>
+        <shape type="rectangle"><transform name="to_world"><scale value="2"/>
+        <translate value="0, 1, -1"/></transform></shape>
+        <shape type="sphere"><point name="center" value="-0.5, 0.4, 0.5"/>
+        <float name="radius" value="0.4"/><bsdf type="dielectric"/></shape>
+        <shape type="sphere"><point name="center" value="0.6, 0.5, 0.5"/>
+        <float name="radius" value="0.4"/><bsdf type="null"/>
+        <medium type="homogeneous" name="interior"><float name="sigma_t" value="3"/></medium>
+        </shape>)" +
+           lamps + "</scene>";
+}
+
+class PartsOfRoom : public PartsTest, public testing::WithParamInterface<std::string> {
+protected:
+    /// Four parts on one to four threads have the bits of one render.
+    void expect_whole(const std::vector<std::string>& scene) {
+        write("scene.xml", room());
+        fs::remove_all(folder / "parts");
+        fs::create_directory(folder / "parts");
+        std::vector<std::string> whole = scene;
+        whole.insert(whole.end(), {"-q", "-o", "whole"});
+        render(whole);
+        for (const int part : {3, 1, 4, 2}) {
+            std::vector<std::string> words = scene;
+            words.insert(words.end(), {"--threads", std::to_string(part)});
+            render_part(part, 4, words);
+        }
+        merge({"parts/4.exr", "parts/1.exr", "parts/3.exr", "parts/2.exr", "-q", "-o", "merged"});
+        EXPECT_EQ(errors, "");
+        expect_same_pictures("whole", "merged");
+    }
+};
+
+class PartsOfIntegrators : public PartsOfRoom {};
 
 TEST_P(PartsOfIntegrators, AreTheWholeRender) {
-    const std::string integrator = "integrator=" + GetParam();
-    std::vector<std::string> scene = {"--set", integrator, "--spp", "13", "--seed", "5"};
-    if (integrator == "integrator=sppm") {
-        scene.insert(scene.end(), {"--set", "integrator.photon_count=10000"});
+    std::vector<std::string> scene = {"--set", "integrator=" + GetParam(), "--spp", "13", "--seed",
+                                      "5"};
+    if (GetParam() == "sppm" || GetParam() == "photonmap") {
+        const char* const count = GetParam() == "sppm" ? "photon_count" : "global_photons";
+        scene.insert(scene.end(), {"--set", fmt::format("integrator.{}=10000", count)});
     }
-    std::vector<std::string> whole = scene;
-    whole.insert(whole.end(), {"-q", "-o", "whole"});
-    render(whole);
-    for (const int part : {3, 1, 4, 2}) {
-        std::vector<std::string> words = scene;
-        words.insert(words.end(), {"--threads", std::to_string(part)});
-        render_part(part, 4, words);
-    }
-    merge({"parts/4.exr", "parts/1.exr", "parts/3.exr", "parts/2.exr", "-q", "-o", "merged"});
-    EXPECT_EQ(errors, "");
-    expect_same_pictures("whole", "merged");
+    expect_whole(scene);
+}
+
+class PartsWithLightSamplers : public PartsOfRoom {};
+
+TEST_P(PartsWithLightSamplers, AreTheWholeRender) {
+    expect_whole({"--set", "integrator.light_sampler=" + GetParam(), "--spp", "9"});
+    expect_whole({"--set", "integrator=volpath", "--set", "integrator.light_sampler=" + GetParam(),
+                  "--spp", "5"});
 }
 
 /// All that there are, but for those that need other integrators as children.
@@ -78,12 +138,13 @@ std::vector<std::string> integrators() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, PartsOfIntegrators, testing::ValuesIn(integrators()));
+INSTANTIATE_TEST_SUITE_P(LightSamplers, PartsWithLightSamplers,
+                         testing::ValuesIn(Registry().names(LightSampler::kind)));
 
-TEST_F(PartsTest, LightSamplersAndFiltersDoNotMatter) {
+TEST_F(PartsTest, FiltersAndFormatsDoNotMatter) {
     for (const char* change :
-         {"integrator.light_sampler=bvh", "integrator.light_sampler=uniform", "integrator.reuse=1",
-          "sensor.film.rfilter=lanczos", "sensor.film.rfilter=box", "sensor.sampler=sobol",
-          "sensor.film.pixel_format=rgba", "sensor.film.file_format=png"}) {
+         {"integrator.reuse=1", "sensor.film.rfilter=lanczos", "sensor.film.rfilter=box",
+          "sensor.sampler=sobol", "sensor.film.pixel_format=rgba", "sensor.film.file_format=png"}) {
         fs::remove_all(folder / "parts");
         fs::create_directory(folder / "parts");
         render({"-q", "-o", "whole", "--spp", "8", "--set", change});
@@ -179,6 +240,39 @@ TEST_F(PartsTest, TwoTasksThatRenderOnePartLeaveIt) {
         merge({"parts/1.exr", "-q", "-o", "merged"});
         expect_same_pictures("whole", "merged");
     }
+}
+
+TEST_F(PartsTest, TwoTasksThatRenderOnePartWriteTheSameFile) {
+    render_part(1, 2, {"--spp", "64", "--threads", "1"});
+    const std::string first = read_whole(folder / "parts/1.exr");
+    fs::remove(folder / "parts/1.exr");
+    render_part(1, 2, {"--spp", "64", "--threads", "3"});
+    const std::string second = read_whole(folder / "parts/1.exr");
+    ASSERT_EQ(first.size(), second.size());
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < first.size(); ++i) different += first[i] != second[i];
+    // Three times of eight bytes, and the checksum that covers them.
+    EXPECT_LE(different, 4 * sizeof(double));
+}
+
+TEST_F(PartsTest, MergingNeedsTheMemoryOfOneFilm) {
+    const std::vector<std::string> large = {"--spp", "24", "--resolution", "400x300"};
+    std::vector<std::string> few = {"-q", "--json", "--partial", "-o", "few"}, all = few;
+    all.back() = "all";
+    for (int part = 1; part <= 24; ++part) {
+        render_part(part, 24, large);
+        all.push_back(file_of(part));
+        if (part <= 2) few.push_back(file_of(part));
+    }
+    const auto peak = [&](const std::vector<std::string>& words) {
+        return nlohmann::json::parse(merge(words))
+            .at("figures")
+            .at("peak_memory_bytes")
+            .get<double>();
+    };
+    const double of_two = peak(few), file = double(fs::file_size(folder / "parts/1.exr"));
+    EXPECT_LT(peak(all), of_two + 3 * file);
+    EXPECT_LT(peak(all), of_two * 1.25);
 }
 
 TEST_F(PartsTest, ATimeLimitIsToldAndCanBeRaised) {
@@ -344,11 +438,13 @@ TEST_F(PartsTest, WhatDoesNotFitTogetherIsRefused) {
     old.metadata["lucerna:state"] = 3;
     old.metadata["lucerna:version"] = "0.0.9";
     write_exr(folder / "old.exr", old);
-    EXPECT_EQ(
-        refusal({"a.exr", "old.exr"}, exit_code::file),
-        "old.exr was written by Lucerna 0.0.9 with version 3 of its states; this is Lucerna " +
-            std::string(core_version()) +
-            " with version 6, which cannot continue it; render it again\n");
+    EXPECT_EQ(refusal({"a.exr", "old.exr"}, exit_code::file),
+              "a.exr and old.exr cannot be merged: old.exr was written by Lucerna 0.0.9 with "
+              "version 3 of its states; this is Lucerna " +
+                  std::string(core_version()) +
+                  " with version 6, which cannot continue it; render it again\n");
+    EXPECT_EQ(refusal({"old.exr", "a.exr"}, exit_code::file).substr(0, 23),
+              "old.exr was written by ");
     render({"-q", "--spp", "1", "-o", "picture"});
     EXPECT_EQ(refusal({"picture.exr"}, exit_code::file),
               "picture.exr is not the state of a render; give a file that `lucerna render "
@@ -374,6 +470,54 @@ TEST_F(PartsTest, AFullDiskIsNamedAndMayBeTriedAgain) {
               "another disk\n");
     render({"-q", "--spp", "2", "--part", "1/1", "-o", "no/such/folder.exr"}, exit_code::file);
     expect_error("create the directory first");
+}
+
+TEST_F(PartsTest, AFileSystemThatFailsIsNamedAndMayBeTriedAgain) {
+    write("room.obj", "v -1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    std::string scene = small_scene;
+    scene.insert(scene.rfind("</scene>"), R"(<shape type="obj"><string name="filename"
+        value="room.obj"/></shape>)");
+    write("scene.xml", scene);
+    const auto part = [&](const std::string& failing, int code) {
+        render({"-q", "--spp", "2", "--part", "1/1", "-o", "parts/1.exr"}, code,
+               {.failing = failing});
+        return errors;
+    };
+    const auto fails = [&](const std::string& failing) {
+        return part(failing, exit_code::try_again);
+    };
+    const std::string full = std::to_string(ENOSPC), stale = std::to_string(ESTALE);
+    const std::string disk_is_full =
+        " failed: No space left on device; free some space, or write to another disk\n";
+    const std::string handle_is_stale = " failed: Stale file handle; try again\n";
+    EXPECT_EQ(fails("write " + full + " parts/"), "parts/1.exr: writing" + disk_is_full);
+    EXPECT_EQ(fails("fsync " + full + " parts/"),
+              "parts/1.exr: writing it to the disk" + disk_is_full);
+    EXPECT_EQ(fails("stat " + stale + " parts/1.exr"),
+              "parts/1.exr: looking at it failed: Stale file handle; try again, or write to "
+              "another place\n");
+    EXPECT_EQ(fails("pread " + stale + " scene.xml"), "scene.xml: reading" + handle_is_stale);
+    EXPECT_EQ(fails("open " + stale + " room.obj"),
+              "room.obj: opening it for reading" + handle_is_stale);
+    EXPECT_EQ(fails("stat " + stale + " room.obj"), "room.obj: looking at it" + handle_is_stale);
+    EXPECT_TRUE(fs::is_empty(folder / "parts"));
+
+    part("", exit_code::success);
+    EXPECT_EQ(fails("pread " + stale + " 1.exr"), "parts/1.exr: reading" + handle_is_stale);
+    const auto merge_fails = [&](const std::string& failing) {
+        merge({"parts/1.exr", "-q", "-o", "merged"}, exit_code::try_again, {.failing = failing});
+        EXPECT_FALSE(fs::exists(folder / "merged.exr"));
+        return errors;
+    };
+    for (const char* const call : {"stat", "open", "pread"}) {
+        EXPECT_EQ(merge_fails(fmt::format("{} {} parts/1.exr", call, stale)),
+                  "parts/1.exr: " +
+                      std::string(call == std::string("stat")   ? "looking at it"
+                                  : call == std::string("open") ? "opening it for reading"
+                                                                : "reading") +
+                      handle_is_stale);
+    }
+    merge({"parts/1.exr", "-q", "-o", "merged"});
 }
 
 }  // namespace

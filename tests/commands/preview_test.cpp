@@ -174,6 +174,10 @@ TEST_F(PreviewTest, wrong_places_are_refused_exactly) {
             "numbers, such as 127.0.0.1");
     refused("web:0.0.0.0:8080", "0.0.0.0 means all addresses of this machine; give one of them");
     refused("web:192.0.2.1", "192.0.2.1 is no address of this machine");
+    render({"--preview", "no-such-host.invalid:1"}, exit_code::usage);
+    expect_error(
+        "lucerna render: --preview no-such-host.invalid:1: the host \"no-such-host.invalid\" cannot "
+        "be found: ");
     EXPECT_FALSE(fs::exists(folder / "scene.exr"));
 }
 

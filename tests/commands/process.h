@@ -31,6 +31,7 @@ struct ProcessSetup {
     std::optional<rlim_t> largest_file = {};  ///< RLIMIT_FSIZE [bytes]
     std::optional<rlim_t> memory = {};        ///< RLIMIT_AS [bytes]
     std::string environment = {};             ///< "NAME=value"
+    std::string failing = {};                 ///< which calls fail (failing_disk.cpp)
 };
 
 /// A program that has been started; its output goes to files in the folder it runs in.
@@ -80,6 +81,11 @@ private:
         std::string environment = setup.environment;
         if (!environment.empty()) putenv(environment.data());
         const std::string program = program_path();
+        if (!setup.failing.empty()) {
+            const auto disk = program_path().parent_path().parent_path() / "tests/failing_disk.so";
+            setenv("LD_PRELOAD", disk.c_str(), 1);
+            setenv("LUCERNA_FAILING", setup.failing.c_str(), 1);
+        }
         std::vector<char*> words = {const_cast<char*>(program.c_str())};
         for (const std::string& a : arguments) words.push_back(const_cast<char*>(a.c_str()));
         words.push_back(nullptr);

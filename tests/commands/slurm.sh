@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # `lucerna farm` with a real Slurm: two virtual nodes on this host, without munge, on loopback.
-# Renders eight parts, stops one part by SIGUSR1 as at a time limit, kills a node's daemon with all
-# that runs on it, and compares the merged picture with a single render, bit by bit. Exit code 77:
+# Renders eight parts, stops one part by SIGUSR1 as at a time limit, preempts one by a job that is
+# more urgent, kills a node's daemon with all that runs on it, and compares the merged picture with
+# a single render, bit by bit. Exit code 77:
 # Slurm is not installed, or this is not root.
 #
 #   tests/commands/slurm.sh PATH-OF-LUCERNA
@@ -87,12 +88,31 @@ running() { [[ $(squeue --noheader --array --jobs="$job" --states=R | wc -l) -ge
 done_parts() { [[ $(find job/parts -name '*.exr' | wc -l) -ge $1 ]]; }
 wait_for 60 "no parts run" running 2
 
-# As before a time limit: the part writes a checkpoint and asks for another turn.
-part=$(squeue --noheader --array --jobs="$job" --states=R --format=%K | head -n 1)
-# scancel tries for long to signal a part that has gone back to the queue meanwhile.
-timeout 3 scancel --batch --signal=USR1 "${job}_$part" 2> /dev/null || true
-stopped() { grep -q '^end .* 1[34][03]$' "job/records/$part.txt"; }
-wait_for 60 "SIGUSR1 does not stop part $part" stopped
+# As before a time limit: a part writes a checkpoint and asks for another turn. Slurm refuses
+# signals for parts that are just starting, and scancel tries for long to signal one that has gone
+# back to the queue meanwhile.
+stopped() {
+    grep -qE '^end .* (130|143)$' job/records/*.txt && return
+    local part
+    part=$(squeue --noheader --array --jobs="$job" --states=R --format=%K | head -n 1)
+    [[ -z $part ]] || timeout 3 scancel --batch --signal=USR1 "${job}_$part" 2> /dev/null || true
+    return 1
+}
+wait_for 60 "SIGUSR1 stops no part" stopped
+
+# A job that is more urgent takes the node: the part writes a checkpoint and ends, and Slurm puts it
+# back into the queue.
+on_one() { squeue --noheader --array --jobs="$job" --states=R --nodelist=one --format=%K; }
+node_one_works() { [[ -n $(on_one) ]]; }
+wait_for 60 "node one has nothing to do" node_one_works
+preempted=$(on_one | head -n 1)
+sbatch --parsable --partition=urgent --nodelist=one --exclusive --output=/dev/null \
+    --wrap 'sleep 1' > /dev/null
+# Unless it was done just before.
+made_way() {
+    [[ -e job/parts/$preempted.exr ]] || grep -q '^end .* 130$' "job/records/$preempted.txt"
+}
+wait_for 60 "part $preempted is not preempted" made_way
 
 wait_for 120 "no part is done" done_parts 1
 node_two_works() { [[ -n $(squeue --noheader --nodelist=two --states=R) ]]; }
@@ -122,7 +142,7 @@ cmp job/scene.png single.png || fail "the PNGs differ"
 grep -q '8 of 8 parts done' status.txt || fail "the status is wrong"
 [[ -n $was_done || $(grep -c '^start' "job/records/$lost.txt") -ge 2 ]] ||
     fail "part $lost was not started again"
-echo "eight parts, one lost node, one requeued part: the same bits"
+echo "eight parts, one lost node, one requeued and one preempted part: the same bits"
 
 # A comparison: two rounds and the reference, and each round says which node it was timed on.
 "$lucerna" compare "$scene" --resolution 32x32 --vary integrator.light_sampler=uniform,power \

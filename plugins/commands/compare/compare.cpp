@@ -6,7 +6,6 @@
 /// docs/comparing.md; their formulas are in the headers beside this file.
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "plugins/commands/compare/comparison.h"
 #include "plugins/commands/compare/oracle.h"
@@ -16,11 +15,11 @@
 #include "plugins/commands/compare/request.h"
 #include "plugins/commands/compare/runs.h"
 #include "plugins/commands/jobs/slurm.h"
+#include "plugins/commands/try_again.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <functional>
 
 namespace lucerna {
 
@@ -169,16 +168,6 @@ int make_job(const Request& request, const std::vector<Variant>& variants) {
     return exit_code::success;
 }
 
-/// What the scripts of a job run: a file that cannot be read or written now may be later.
-int run_part(const std::function<int()>& part) {
-    try {
-        return part();
-    } catch (const TransientFileError& e) {
-        fmt::print(stderr, "{}\n", e.what());
-        return exit_code::try_again;
-    }
-}
-
 class CompareCommand final : public Command {
 public:
     explicit CompareCommand(const Params&) {}
@@ -200,11 +189,11 @@ public:
         ignore_write_signals();
         if (request.parts) return make_job(request, variants);
         if (request.round > 0) {
-            return run_part(
+            return or_try_again(
                 [&] { return render_round_file(request, round_settings(request, variants)); });
         }
         Comparing comparing(request, variants, shell_text("compare", words));
-        return request.collect ? run_part([&] { return comparing.run(); }) : comparing.run();
+        return request.collect ? or_try_again([&] { return comparing.run(); }) : comparing.run();
     }
 };
 

@@ -58,10 +58,11 @@ fi
 note end "$code"
 
 # Exit codes 75 and from 128 on (a signal) say: again. What was asked to stop, Slurm requeues
-# itself or was told to forget. Whatever else comes back 20 times does not come from bad luck.
+# itself or was told to forget. Whatever else comes back 20 times does not come from bad luck. The
+# number of the last part's job is that of the whole array, so that parts are named by both numbers.
 if [[ -n ${SLURM_JOB_ID-} && $reason != asked ]] && ((code == 75 || code >= 128)); then
     if [[ $reason == limit ]] || ((${SLURM_RESTART_COUNT:-0} < 20)); then
-        scontrol requeue "$SLURM_JOB_ID"
+        scontrol requeue "${SLURM_ARRAY_JOB_ID}_$part"
     fi
 fi
 exit "$code"
@@ -74,7 +75,15 @@ constexpr std::string_view merge_script = R"script(#!/usr/bin/env bash
 #SBATCH --open-mode=append
 #SBATCH --requeue
 @OPTIONS@lucerna=${LUCERNA:-@PROGRAM@}
-exec "$lucerna" @COMMAND@
+asked=
+trap 'asked=1' TERM # preempted or cancelled: Slurm requeues it itself, or was told to forget it
+"$lucerna" @COMMAND@
+code=$?
+# Exit codes 75 and from 128 on (a signal) say: again, as for parts.
+if [[ -n ${SLURM_JOB_ID-} && -z $asked ]] && ((code == 75 || code >= 128)); then
+    ((${SLURM_RESTART_COUNT:-0} < 20)) && scontrol requeue "$SLURM_JOB_ID"
+fi
+exit "$code"
 )script";
 
 /// Every "@NAME@" of the text replaced.

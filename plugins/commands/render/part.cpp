@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <system_error>
 #include <utility>
 
 namespace lucerna {
@@ -50,7 +51,7 @@ int PartRendering::run() {
     check_writable(checkpoint_);
     std::optional<RenderState> state = kept(file_);
     if (state && is_finished(*state)) {
-        std::filesystem::remove(checkpoint_);
+        remove_checkpoint();
         if (!request_.quiet) {
             fmt::print(stderr, "{} is there already: nothing is left to render\n", file_.string());
         }
@@ -92,7 +93,7 @@ int PartRendering::finish(const RenderResult& result, double seconds) {
         return exit_code::interrupted;
     }
     save(file_, result.film, seconds);
-    std::filesystem::remove(checkpoint_);
+    remove_checkpoint();
     fmt::print(stderr, "{}", figures_warnings(result.figures));
     print(result);
     display_.finish(result.film, result.figures);
@@ -100,7 +101,8 @@ int PartRendering::finish(const RenderResult& result, double seconds) {
 }
 
 std::optional<RenderState> PartRendering::kept(const std::filesystem::path& path) const {
-    if (!std::filesystem::exists(path)) return {};
+    std::error_code problem;  // reading says what is wrong
+    if (!std::filesystem::exists(path, problem) && !problem) return {};
     std::optional<RenderState> state;
     try {
         state = read_state(path);
@@ -164,6 +166,11 @@ void PartRendering::save_checkpoint(const FilmState& film, double seconds) {
         display_.clear();
         fmt::print(stderr, "warning: no checkpoint: {}\n", e.what());
     }
+}
+
+void PartRendering::remove_checkpoint() const {
+    std::error_code ignored;  // it does no harm
+    std::filesystem::remove(checkpoint_, ignored);
 }
 
 PartRecord PartRendering::record() const {

@@ -33,6 +33,7 @@ private:
     RenderOptions options(const RenderState& from);
     void save(const std::filesystem::path& path, const FilmState& film, double seconds) const;
     void save_checkpoint(const FilmState& film, double seconds);
+    void remove_checkpoint() const;
     int finish(const RenderResult& result, double seconds);
     void print(const RenderResult& result) const;
 

@@ -5,13 +5,13 @@
 /// and SIGTERM, an EXR and a PNG are written, each completely or not at all. A checkpoint holds
 /// the exact state: resuming gives the bits of a render that was never interrupted.
 #include "core/base/atomic_file.h"
-#include "core/interfaces/command.h"
 #include "core/render/interrupt.h"
 #include "core/render/output.h"
 #include "core/render/session.h"
 #include "plugins/commands/render/display.h"
 #include "plugins/commands/render/part.h"
 #include "plugins/commands/render/request.h"
+#include "plugins/commands/try_again.h"
 
 #include <fmt/format.h>
 
@@ -201,15 +201,6 @@ void Rendering::print(const RenderResult& result) const {
     std::fflush(stdout);
 }
 
-int render_part(const Request& request, Preview* preview) {
-    try {
-        return PartRendering(request, preview).run();
-    } catch (const TransientFileError& e) {
-        fmt::print(stderr, "{}\n", e.what());
-        return exit_code::try_again;
-    }
-}
-
 class RenderCommand final : public Command {
 public:
     explicit RenderCommand(const Params&) {}
@@ -236,7 +227,9 @@ public:
             fmt::print(stderr, "lucerna render: --preview {}: {}\n", request.preview, e.what());
             return exit_code::usage;
         }
-        if (request.part) return render_part(request, preview.get());
+        if (request.part) {
+            return or_try_again([&] { return PartRendering(request, preview.get()).run(); });
+        }
         std::optional<PictureView> view;
         try {
             view = picture_view(request.view, request.exposure);

@@ -82,11 +82,42 @@ TEST(PackedSums, AreAddedExactly) {
     const std::vector<ExactSum> b = random_sums(rng, 500, 12, true);
     std::vector<ExactSum> expected = a;
     for (std::size_t i = 0; i < a.size(); ++i) expected[i].add(b[i]);
+    std::vector<ExactSum> unpacked = a;
+    add_sums(b.data(), {.first = unpacked.data(), .count = unpacked.size() - 1});
+    unpacked.back().add(b.back());
     const std::string bytes = packed(b);
     ASSERT_TRUE(PackedSums(bytes_of(bytes)).add_to({.first = a.data(), .count = a.size()}));
     for (std::size_t i = 0; i < a.size(); ++i) {
         EXPECT_EQ(a[i].high, expected[i].high);
         EXPECT_EQ(a[i].low, expected[i].low);
+        EXPECT_EQ(unpacked[i].high, expected[i].high);
+        EXPECT_EQ(unpacked[i].low, expected[i].low);
+    }
+}
+
+TEST(PackedSums, AreTakenOneChannelAfterTheOther) {
+    Rng rng(8);
+    const std::vector<ExactSum> a = random_sums(rng, 100, 5, false);
+    const std::vector<ExactSum> b = random_sums(rng, 100, 90, true);
+    const std::string bytes = packed(a) + packed(b);
+    PackedSums both(bytes_of(bytes));
+    std::optional<PackedSums> first = both.take(100), second = both.take(100);
+    ASSERT_TRUE(first && second);
+    EXPECT_TRUE(both.at_end());
+    EXPECT_FALSE(both.take(1));
+    // In groups, by turns.
+    std::vector<ExactSum> x(100), y(100);
+    for (const std::size_t begin : {0u, 64u}) {
+        const std::size_t count = begin == 0 ? 64 : 36;
+        ASSERT_TRUE(first->add_to({.first = &x[begin], .count = count}));
+        ASSERT_TRUE(second->add_to({.first = &y[begin], .count = count}));
+    }
+    EXPECT_TRUE(first->at_end() && second->at_end());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        EXPECT_EQ(x[i].high, a[i].high);
+        EXPECT_EQ(x[i].low, a[i].low);
+        EXPECT_EQ(y[i].high, b[i].high);
+        EXPECT_EQ(y[i].low, b[i].low);
     }
 }
 
