@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/packed_sums.h"
 
-#include "core/interfaces/batch/lanes.h"
+#include "core/base/vectorized.h"
 
 #include <algorithm>
 #include <array>

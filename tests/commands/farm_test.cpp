@@ -225,8 +225,8 @@ TEST_F(Farm, SubmitsWhatIsMissingAndTheMergeAfterIt) {
               std::string::npos);
 }
 
-/// A part and the merge, whose program ends with an exit code, in a Slurm that only writes down what
-/// it is asked for. In Slurm, the last part of an array has the number of the array itself.
+/// A part and the merge, whose program ends with an exit code, in a Slurm that only writes down
+/// what it is asked for. In Slurm, the last part of an array has the number of the array itself.
 TEST_F(Farm, PartsRequeueThemselvesAndNoOthers) {
     ASSERT_EQ(pack(2), exit_code::success) << errors;
     fs::create_directories(folder / "bin");

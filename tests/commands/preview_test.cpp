@@ -176,8 +176,8 @@ TEST_F(PreviewTest, wrong_places_are_refused_exactly) {
     refused("web:192.0.2.1", "192.0.2.1 is no address of this machine");
     render({"--preview", "no-such-host.invalid:1"}, exit_code::usage);
     expect_error(
-        "lucerna render: --preview no-such-host.invalid:1: the host \"no-such-host.invalid\" cannot "
-        "be found: ");
+        "lucerna render: --preview no-such-host.invalid:1: the host \"no-such-host.invalid\" "
+        "cannot be found: ");
     EXPECT_FALSE(fs::exists(folder / "scene.exr"));
 }
 
