@@ -8,7 +8,7 @@
 overhead: processor seconds of one render and of the same render in parts, from the start of each
 program to its end, with all files that it writes. What a program takes to load and build is taken
 off: that of a render of one sample of one pixel, of which one runs before each part. The render as
-a whole runs in the middle of its parts, and the ratio is that within a round: other work on the
+a whole runs three times between its parts, and the ratio is that within a round: other work on the
 machine hits both alike.
 
 kills: two tasks at a time render the parts of a picture; each is killed (SIGKILL or SIGTERM) at a
@@ -67,19 +67,20 @@ def overhead(options, folder):
     files = [folder / f"{k}.exr" for k in range(1, options.parts + 1)]
     without, with_merging = [], []
     for _ in range(options.repetitions):
-        preparations, parts = [], []
+        preparations, parts, wholes = [], [], []
         for k, file in enumerate(files, 1):
             file.unlink(missing_ok=True)
             preparations.append(preparation(options, folder))
             parts.append(processor_seconds(render(options, options.spp, "-q", "--part",
                                                   f"{k}/{options.parts}", "-o", file)))
-            if k == options.parts // 2:
-                whole = processor_seconds(render(options, options.spp, "-q", "-o",
-                                                 folder / "whole"))
+            if k * 4 % options.parts < 4 and k < options.parts:
+                wholes.append(processor_seconds(render(options, options.spp, "-q", "-o",
+                                                       folder / "whole")))
         merging = processor_seconds(command(options, "merge", *files, "-q", "-o",
                                             folder / "merged"))
         prepared = statistics.median(preparations)
-        in_parts, whole = sum(parts) - options.parts * prepared, whole - prepared
+        in_parts = sum(parts) - options.parts * prepared
+        whole = statistics.mean(wholes) - prepared
         without.append(in_parts / whole)
         with_merging.append((in_parts + merging) / whole)
         print(f"whole {whole:.2f} s, {options.parts} parts {in_parts:.2f} s without {prepared:.3f} "
