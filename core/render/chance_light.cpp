@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/chance_light.h"
 
-#include "core/interfaces/bsdf.h"
 #include "core/interfaces/emitter.h"
 #include "core/interfaces/integrator.h"
 #include "core/interfaces/shape.h"
 #include "core/scene/scene.h"
 
 #include <algorithm>
+#include <numbers>
 
 namespace lucerna {
 
 namespace {
-
-bool is_specular(const Shape& shape) {
-    return shape.bsdf() && any(shape.bsdf()->lobes() & specular_lobes);
-}
 
 double luminance_of(const Light& light) {
     const Emitter& emitter = *light.emitter;
@@ -26,7 +22,8 @@ double luminance_of(const Light& light) {
     }
     const LightBounds bounds = emitter.bounds(light);
     const double sides = bounds.two_sided ? 2 : 1;
-    return bounds.power / (sides * double(pi) * double(light.shape->area(light.primitive)));
+    return bounds.power /
+           (sides * std::numbers::pi * static_cast<double>(light.shape->area(light.primitive)));
 }
 
 }  // namespace
@@ -34,10 +31,7 @@ double luminance_of(const Light& light) {
 double chance_luminance(const Scene& scene) {
     // Integrators of photons sample lights after one bounce at most.
     if (scene.integrator().light_bounces() < 2) return 0;
-    if (std::none_of(scene.shapes().begin(), scene.shapes().end(),
-                     [](const Shape* shape) { return is_specular(*shape); })) {
-        return 0;
-    }
+    if (!any(scene.surface_lobes() & specular_lobes)) return 0;
     double result = 0;
     const Light* last = nullptr;
     for (const Light& light : scene.lights()) {

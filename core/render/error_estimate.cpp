@@ -36,8 +36,8 @@ private:
 struct PixelError {
     double variance = 0;
     double error = 0;
-    double least = 0;     ///< of the error: what it is if the value is as bright as it seems
-    double doubtful = 0;  ///< of the error: the part that noise may hide in μ²
+    double least = 0;     ///< the error if the value is as bright as it seems
+    double doubtful = 0;  ///< part of the error that noise may hide in μ²
 };
 
 class Estimator {
@@ -208,10 +208,10 @@ private:
         return spread_of(std::sqrt(relative));
     }
 
-    /// Of light that no sample may have met. What none of N samples met comes with a probability of
-    /// at most 3 / N (with 95 %: Hanley and Lippman-Hand 1983), so that light of luminance L adds
-    /// at most E = 3 L / N to the mean m. A part f of the pixels that lacks it all has the error
-    /// (E / f)² / (m + E / f)²; times f, that is E / 4m at most.
+    /// The error by light that no sample may have met. What none of N samples met comes with a
+    /// probability of at most 3 / N (with 95 %: Hanley and Lippman-Hand 1983), so that light of
+    /// luminance L adds at most E = 3 L / N to the mean m. A part f of the pixels that lacks it all
+    /// has the error (E / f)² / (m + E / f)²; times f, that is E / 4m at most.
     double unseen_error(double image_mean) const {
         if (!(image_.chance_luminance > 0 && image_mean > 0)) return 0;
         return 3 * image_.chance_luminance / image_.samples / image_mean / 4;

@@ -22,7 +22,7 @@ struct NoisyImage {
     /// Σ ρ² over all pixels around, where ρ is the correlation of their noise with a pixel's: 1 if
     /// pixels are independent. Their squared errors are correlated by ρ².
     double correlation = 1;
-    double samples = 1;           ///< of all pixels together
+    double samples = 1;           ///< number of samples, of all pixels together
     double chance_luminance = 0;  ///< chance_light.h
 };
 

@@ -110,7 +110,7 @@ using FourWords = std::uint64_t __attribute__((vector_size(32)));
 /// Where the bits of four integers begin, counted from a byte.
 struct BitPlaces {
     std::array<std::size_t, 4> byte;
-    FourWords bit;  ///< of the byte
+    FourWords bit;  ///< first bit in that byte
 
     BitPlaces(std::size_t width, std::size_t first) {
         for (std::size_t i = 0; i < 4; ++i) {

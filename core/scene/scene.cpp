@@ -118,7 +118,7 @@ void Scene::find_kinds_of_surfaces() {
         const auto* shape = dynamic_cast<const Shape*>(object.get());
         if (!shape || !shape->bsdf()) continue;
         const Lobe lobes = shape->bsdf()->lobes();
-        has_null_surfaces_ = has_null_surfaces_ || any(lobes & Lobe::null);
+        surface_lobes_ = surface_lobes_ | lobes;
         has_specular_surfaces_ = has_specular_surfaces_ || only_specular(lobes);
     }
 }
@@ -255,13 +255,13 @@ void Scene::occluded(ShadowPacket& rays) const {
 
 Color Scene::transmittance(const Ray& ray, bool past_emitters) const {
     if (!occluded(ray)) return Color(1);
-    if (!has_null_surfaces_ && !past_emitters) return Color(0);
+    if (!has_null_surfaces() && !past_emitters) return Color(0);
     return transmittance(ray, {}, past_emitters);
 }
 
 Color Scene::transmittance(const Receiver& from, const LightSample& to) const {
     if (!occluded(from, to)) return Color(1);
-    if (!has_null_surfaces_) return Color(0);
+    if (!has_null_surfaces()) return Color(0);
     Ray ray = shadow_ray(from, to);
     const float length = glm::length(ray.d);
     ray.d /= length;
@@ -272,7 +272,7 @@ Color Scene::transmittance(const Receiver& from, const LightSample& to) const {
 Color Scene::transmittance(const Receiver& from, const LightSample& to, Rng& rng) const {
     if (!has_media_) return transmittance(from, to);
     const bool blocked = occluded(from, to);
-    if (blocked && !has_null_surfaces_) return Color(0);
+    if (blocked && !has_null_surfaces()) return Color(0);
     Ray ray = shadow_ray(from, to);
     const float length = glm::length(ray.d);
     ray.d /= length;

@@ -5,6 +5,7 @@
 #include "core/base/huge_pages.h"
 #include "core/interfaces/emitter.h"
 #include "core/interfaces/integrator.h"
+#include "core/interfaces/scattering.h"
 #include "core/interfaces/sensor.h"
 #include "core/interfaces/shape.h"
 #include "core/scene/ray_queries.h"
@@ -61,6 +62,8 @@ public:
     /// The same through media, too, of which the first is `from.medium`: an unbiased estimate.
     Color transmittance(const Receiver& from, const LightSample& to, Rng& rng) const;
 
+    /// All lobes that occur on surfaces, those of groups included.
+    Lobe surface_lobes() const { return surface_lobes_; }
     /// Whether some surfaces are mirrors or clear glass, and nothing else.
     bool has_specular_surfaces() const { return has_specular_surfaces_; }
     /// Whether there are media and the integrator renders them.
@@ -100,6 +103,8 @@ public:
     std::size_t accelerator_bytes() const;
 
 private:
+    /// Whether some surfaces let light straight through.
+    bool has_null_surfaces() const { return any(surface_lobes_ & Lobe::null); }
     void collect_lights();
     void find_kinds_of_surfaces();
     void find_media();
@@ -115,7 +120,7 @@ private:
     std::vector<std::uint32_t> infinite_lights_;
     std::vector<const Medium*> media_;
     const LightSampler* light_sampler_ = nullptr;
-    bool has_null_surfaces_ = false;  ///< some let light straight through
+    Lobe surface_lobes_ = Lobe::none;
     bool has_specular_surfaces_ = false;
     bool has_media_ = false, contains_media_ = false;
 };

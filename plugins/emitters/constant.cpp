@@ -3,9 +3,9 @@
 ///
 /// Directions are drawn by cos θ around the shading normal where light can go to one side only,
 /// which leaves no noise on unoccluded diffuse surfaces, and uniformly where it can go to both.
-#include "core/base/vectorized.h"
 #include "plugins/emitters/scene_sphere.h"
 
+#include "core/base/vectorized.h"
 #include "core/interfaces/emitter.h"
 
 namespace lucerna {

@@ -2,9 +2,9 @@
 /// directional: parallel light from infinity, like the sun's without its disk.
 ///
 ///   irradiance of a surface that light meets at the angle θ: E cos θ
-#include "core/base/vectorized.h"
 #include "plugins/emitters/scene_sphere.h"
 
+#include "core/base/vectorized.h"
 #include "core/interfaces/emitter.h"
 
 namespace lucerna {

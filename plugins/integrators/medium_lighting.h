@@ -85,6 +85,7 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
             !sample_light(scene, *choice, surface, u_light, count, bsdf_samples, light)) {
             continue;
         }
+        if (is_black(light.sample.radiance)) continue;
         Receiver receiver = surface.receiver;
         receiver.medium = medium_beyond(surface.at, light.sample.wi, medium);
         const Color arriving = scene.transmittance(receiver, light.sample, rng);

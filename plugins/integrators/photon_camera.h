@@ -107,8 +107,8 @@ private:
     const Scene& scene_;
     const LightSampler& light_sampler_;
     Settings settings_;
-    /// Of direct light where photons are stored: most of a sky is found better by matte surfaces
-    /// than by light sampling, lamps are not.
+    /// Rays of the BSDF that look for direct light where photons are stored: a matte surface finds
+    /// most of a sky better than light sampling does, but not lamps.
     float bsdf_samples_;
     std::uint32_t dimensions_;
 };

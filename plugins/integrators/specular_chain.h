@@ -50,7 +50,7 @@ public:
 
     int longest() const { return longest_; }
     int vertices() const { return std::max(vertices_, 0); }
-    /// Of what the path finds now.
+    /// The weight of what the path finds now.
     float weight() const { return vertices_ > 0 ? weight_ : 1; }
 
     /// The path leaves a vertex with light sampling, in a direction of its BSDF.

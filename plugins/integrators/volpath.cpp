@@ -2,8 +2,8 @@
 /// volpath: path tracing through participating media, with next event estimation, multiple
 /// importance sampling and Russian roulette.
 ///
-/// Surfaces are treated as in `path` without path reuse and specular chains, and in scenes without
-/// media with one pass of light samples: these get the same bits. Media:
+/// Surfaces are treated as in `path` without path reuse and specular chains and with one pass of
+/// light samples: by default, a scene without media gets the same bits. Media:
 /// core/scene/medium_tracking.h.
 ///
 /// Light that arrives at a vertex is estimated by sampling lights, with an estimate of the
@@ -33,8 +33,8 @@ public:
           rr_depth_(params.int32("rr_depth", 5, {.min = 1},
                                  "edges before Russian roulette may end a path")),
           emitter_samples_(params.int32("emitter_samples", 0, {.min = 0, .max = 64},
-                                        "samples of lights at each vertex in scenes with media; "
-                                        "0: 1 or 2, what a few paths show to be better")),
+                                        "samples of lights at each vertex; 0: 1, in scenes with "
+                                        "media 1 or 2, what a few paths show to be better")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
@@ -111,8 +111,7 @@ private:
 void VolumetricPathIntegrator::prepare(const Scene& scene) {
     passes_ = static_cast<std::uint32_t>(std::max(emitter_samples_, 1));
     const std::uint32_t draws = light_sampler_.draws();
-    if (!scene.has_media() || draws == 0) passes_ = 1;
-    if (!scene.has_media() || draws == 0 || draws > 8 || emitter_samples_ > 0) return;
+    if (emitter_samples_ > 0 || !scene.has_media() || draws == 0 || draws > 8) return;
     const PathNoiseMeter meter(scene);
     const auto inefficiency = [&](int passes) {
         const auto trace_all = [&](std::span<CameraSample> samples, auto&&...) {

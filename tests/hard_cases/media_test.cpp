@@ -61,6 +61,19 @@ TEST(OpticalThickness, OneMillionIsOpaque) {
     EXPECT_LT(mean, 1.05 * thick.mean());
 }
 
+/// A medium whose volume says that nothing is there: all light comes through, and nothing is
+/// divided by the majorant.
+TEST(Majorant, G10_OfZeroLetsAllLightThrough) {
+    const std::string empty =
+        "<medium type='heterogeneous' name='interior'><volume type='constvolume' name='sigma_t'>" +
+        number("value", 0) + "</volume></medium>";
+    const FilmState film = TestScene(volpath() + camera({0, 0, -4}, {0, 0, 0}) + sky +
+                                     sphere({0, 0, 0}, 1, null_surface + empty))
+                               .render({.per_pixel = 16});
+    EXPECT_EQ(film.dropped_samples(), 0u);
+    EXPECT_TRUE(is_constant(film, 1));
+}
+
 TEST(Albedo, ZeroIsBlackAndOneLosesNothing) {
     const auto ball = [](double sigma_t, double albedo) {
         return volpath() + camera({0, 0, -40}, {0, 0, 0}) + sky +
