@@ -3,11 +3,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <ctime>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -49,6 +51,33 @@ std::string remedy(int error) {
     throw FileError(message);
 }
 
+constexpr std::string_view temporary_prefix = ".lucerna-", temporary_suffix = ".tmp";
+
+/// Removes a temporary file of a writer that was killed. Writers hold a lock until the file has its
+/// name; a new file may not have its lock yet. What cannot be locked stays.
+void remove_if_abandoned(const fs::path& path) {
+    constexpr std::time_t age = 60;  // [s]
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) return;
+    struct stat status {};
+    if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
+        status.st_mtime + age < std::time(nullptr) && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+        ::unlink(path.c_str());
+    }
+    ::close(descriptor);
+}
+
+void remove_abandoned_files(const fs::path& directory) {
+    std::error_code code;
+    for (fs::directory_iterator entry(directory, code), end; !code && entry != end;
+         entry.increment(code)) {
+        const std::string name = entry->path().filename().string();
+        if (name.starts_with(temporary_prefix) && name.ends_with(temporary_suffix)) {
+            remove_if_abandoned(entry->path());
+        }
+    }
+}
+
 /// Closes and, unless kept, removes the file when something throws.
 class TemporaryFile {
 public:
@@ -56,17 +85,22 @@ public:
     explicit TemporaryFile(const fs::path& target) : target_(target) {
         static std::atomic<unsigned> counter{0};
         const fs::path directory = target.has_parent_path() ? target.parent_path() : ".";
+        remove_abandoned_files(directory);
         do {
-            path_ = directory / fmt::format(".lucerna-{}-{}.tmp", ::getpid(), counter++);
+            path_ = directory / fmt::format("{}{}-{}{}", temporary_prefix, ::getpid(), counter++,
+                                            temporary_suffix);
             descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         } while (descriptor_ < 0 && errno == EEXIST);
         if (descriptor_ < 0) fail(target_, "creating a file in its directory", errno);
+        lock_ = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);
+        if (lock_ >= 0) ::flock(lock_, LOCK_EX | LOCK_NB);
     }
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
     ~TemporaryFile() {
         if (descriptor_ >= 0) ::close(descriptor_);
         if (!path_.empty()) ::unlink(path_.c_str());
+        if (lock_ >= 0) ::close(lock_);
     }
 
     int descriptor() const { return descriptor_; }
@@ -95,6 +129,7 @@ public:
 private:
     fs::path target_, path_;
     int descriptor_ = -1;
+    int lock_ = -1;  ///< keeps the lock when descriptor_ is closed; -1: none
 };
 
 void write_all(const fs::path& path, int descriptor, std::string_view bytes) {

@@ -11,7 +11,8 @@ namespace lucerna {
 /// a power cut, finds the old content or the new one, never a part. The bytes go to a temporary
 /// file in the same directory, whose every write, its length and its closing are verified before it
 /// takes the name. The permissions of the old file stay, and symbolic links are followed.
-/// Devices and pipes are written to directly.
+/// Devices and pipes are written to directly. Temporary files that writers left in this directory
+/// when they were killed are removed.
 ///
 /// Throws FileError with reason and remedy; then the old file is as it was, and nothing is left
 /// behind.

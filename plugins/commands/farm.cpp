@@ -70,7 +70,8 @@ void declare_actions(Arguments& arguments, Request& request) {
     arguments.footer(
         "lucerna farm scene.xml --parts 64 --spp 4096 -o out --submit   packs and submits\n"
         "lucerna farm out --status                                      how far it is\n\n"
-        "Exit codes: 0 success, 1 failure (--status: a part has failed or was lost), 2 wrong "
+        "Exit codes: 0 success, 1 failure (--status: a part or the merge has failed or was lost), "
+        "2 wrong "
         "arguments, 3 wrong scene, 4 plugin cannot be loaded, 5 file cannot be read or written, "
         "130 interrupted.");
 }
@@ -181,8 +182,7 @@ int show_status(const Request& request, const JobFolder& job) {
                                  .count();
     const JobStatus status = job_status(job, now, slurm_states(job));
     fmt::print("{}", request.json ? to_json(job, status).text() : status_text(job, status));
-    const bool broken = status.count(PartState::failed) + status.count(PartState::lost) > 0;
-    return broken ? exit_code::failure : exit_code::success;
+    return status.broken() ? exit_code::failure : exit_code::success;
 }
 
 int run_job(const Request& request) {

@@ -187,7 +187,24 @@ TEST_F(Farm, StatusTellsOfFailedParts) {
     write("job/scene/a.obj", triangle);
     EXPECT_EQ(run({"farm", "job", "--local", "1", "-q"}), exit_code::success) << errors;
     EXPECT_EQ(run({"farm", "job", "--status"}), exit_code::success);
-    EXPECT_EQ(output, "scene: 3 of 3 parts done, 0 running, 0 waiting\n");
+    EXPECT_EQ(output, "scene: 3 of 3 parts done, 0 running, 0 waiting\nmerged\n");
+}
+
+TEST_F(Farm, StatusTellsOfTheMerge) {
+    ASSERT_EQ(pack(2), exit_code::success) << errors;
+    EXPECT_EQ(status().at("merge"), "waiting");
+    ASSERT_EQ(run({"farm", "job", "--local", "1", "-q"}), exit_code::success) << errors;
+    EXPECT_EQ(status().at("merge"), "done");
+    write("job/parts/2.exr", "nothing of a state");
+    EXPECT_EQ(run({"farm", "job", "--local", "1", "-q"}), exit_code::file);
+    EXPECT_EQ(run({"farm", "job", "--status"}), exit_code::failure);
+    EXPECT_NE(output.find("the merge failed on "), std::string::npos) << output;
+    EXPECT_NE(output.find(" with exit code 5; see job/logs/merge.txt\n"), std::string::npos);
+    // Started before Slurm's queue forgot it, and not ended.
+    write("job/records/merge.txt", "start 1767225600 node7\n");
+    EXPECT_EQ(status().at("merge"), "running");
+    write("job/slurm_jobs.txt", "71 72\n");
+    EXPECT_EQ(status().at("merge"), "lost");
 }
 
 TEST_F(Farm, StatusEstimatesTheTimeLeft) {

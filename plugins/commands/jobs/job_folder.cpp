@@ -57,8 +57,14 @@ std::vector<int> JobFolder::missing_parts() const {
 }
 
 std::vector<Attempt> JobFolder::attempts(int part) const {
+    return read_record(fmt::format("{}.txt", part));
+}
+
+std::vector<Attempt> JobFolder::merge_attempts() const { return read_record("merge.txt"); }
+
+std::vector<Attempt> JobFolder::read_record(const std::string& name) const {
     std::vector<Attempt> attempts;
-    std::ifstream file(path_ / "records" / fmt::format("{}.txt", part));
+    std::ifstream file(path_ / "records" / name);
     std::string word, argument;
     for (std::int64_t when = 0; file >> word >> when >> argument;) {
         if (word == "start") attempts.push_back({when, argument});
@@ -69,11 +75,23 @@ std::vector<Attempt> JobFolder::attempts(int part) const {
     return attempts;
 }
 
-std::optional<std::string> JobFolder::slurm_job() const {
+std::optional<std::pair<std::string, std::string>> JobFolder::slurm_jobs() const {
     std::ifstream file(path_ / "slurm_jobs.txt");
-    std::optional<std::string> last;
-    for (std::string parts, merge; file >> parts >> merge;) last = parts;
+    std::optional<std::pair<std::string, std::string>> last;
+    for (std::string parts, merge; file >> parts >> merge;) last.emplace(parts, merge);
     return last;
+}
+
+std::optional<std::string> JobFolder::slurm_job() const {
+    const auto jobs = slurm_jobs();
+    if (!jobs) return {};
+    return jobs->first;
+}
+
+std::optional<std::string> JobFolder::slurm_merge_job() const {
+    const auto jobs = slurm_jobs();
+    if (!jobs) return {};
+    return jobs->second;
 }
 
 void JobFolder::add_slurm_job(const std::string& parts, const std::string& merge) const {

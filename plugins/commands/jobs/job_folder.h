@@ -7,6 +7,7 @@
 ///     parts/7.exr            the result of part 7, there only when the part is done
 ///     records/7.txt          when and where part 7 was started and ended, with exit codes
 ///     logs/7.txt             what part 7 printed
+///     records/merge.txt, logs/merge.txt    the same of the merge
 ///     slurm_jobs.txt         Slurm's numbers of the jobs that were submitted, the last one last
 #pragma once
 
@@ -14,6 +15,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lucerna {
@@ -44,18 +46,25 @@ public:
     std::filesystem::path part_script() const { return path_ / "part.sh"; }
     std::filesystem::path merge_script() const { return path_ / "merge.sh"; }
     std::filesystem::path log(int part) const;
+    std::filesystem::path merge_log() const { return path_ / "logs" / "merge.txt"; }
 
     bool is_done(int part) const;
     std::vector<int> missing_parts() const;
 
     /// In the order of time. A line that is not complete yet is left out.
     std::vector<Attempt> attempts(int part) const;
+    std::vector<Attempt> merge_attempts() const;
 
-    /// The last number that Slurm gave to the array of parts.
+    /// The last numbers that Slurm gave to the array of parts, if it had any to run, and the merge.
     std::optional<std::string> slurm_job() const;
+    std::optional<std::string> slurm_merge_job() const;
     void add_slurm_job(const std::string& parts, const std::string& merge) const;
 
 private:
+    std::vector<Attempt> read_record(const std::string& name) const;
+    /// The last line of slurm_jobs.txt.
+    std::optional<std::pair<std::string, std::string>> slurm_jobs() const;
+
     std::filesystem::path path_;
     std::string name_;
     int parts_;

@@ -75,10 +75,14 @@ constexpr std::string_view merge_script = R"script(#!/usr/bin/env bash
 #SBATCH --open-mode=append
 #SBATCH --requeue
 @OPTIONS@lucerna=${LUCERNA:-@PROGRAM@}
+note() { printf '%s %s %s\n' "$1" "$(date +%s)" "$2" >> records/merge.txt; }
+
 asked=
 trap 'asked=1' TERM # preempted or cancelled: Slurm requeues it itself, or was told to forget it
+note start "${SLURMD_NODENAME:-$(hostname)}"
 "$lucerna" @COMMAND@
 code=$?
+note end "$code"
 # Exit codes 75 and from 128 on (a signal) say: again, as for parts.
 if [[ -n ${SLURM_JOB_ID-} && -z $asked ]] && ((code == 75 || code >= 128)); then
     ((${SLURM_RESTART_COUNT:-0} < 20)) && scontrol requeue "$SLURM_JOB_ID"

@@ -17,13 +17,19 @@ int JobStatus::count(PartState state) const {
     return count;
 }
 
+bool JobStatus::broken() const {
+    const auto broken = [](PartState s) { return s == PartState::failed || s == PartState::lost; };
+    return broken(merge.state) ||
+           std::ranges::any_of(parts, [&](const PartStatus& part) { return broken(part.state); });
+}
+
 namespace {
 
-PartStatus part_status(const JobFolder& job, int part, std::int64_t now,
-                       const std::map<int, std::string>& queue) {
+/// `queued` is the state in Slurm's queue, empty if it is not there.
+PartStatus status_of(const std::vector<Attempt>& attempts, bool done, bool in_slurm,
+                     const std::string& queued, std::int64_t now) {
     PartStatus status;
     bool open = false;
-    const std::vector<Attempt> attempts = job.attempts(part);
     for (const Attempt& attempt : attempts) {
         status.host = attempt.host;
         open = !attempt.end;
@@ -32,13 +38,12 @@ PartStatus part_status(const JobFolder& job, int part, std::int64_t now,
             status.seconds += static_cast<double>(*attempt.end - attempt.start);
         }
     }
-    const auto queued = queue.find(part);
-    if (job.is_done(part)) {
+    if (done) {
         status.state = PartState::done;
-    } else if (queued != queue.end() && queued->second != "RUNNING") {
+    } else if (!queued.empty() && queued != "RUNNING") {
         status.state = PartState::waiting;
     } else if (open) {
-        const bool lost = job.slurm_job() && queued == queue.end();
+        const bool lost = in_slurm && queued.empty();
         status.state = lost ? PartState::lost : PartState::running;
         if (!lost) status.seconds += static_cast<double>(now - attempts.back().start);
     } else if (status.code != 0 && !is_temporary(status.code)) {
@@ -47,11 +52,56 @@ PartStatus part_status(const JobFolder& job, int part, std::int64_t now,
     return status;
 }
 
+PartStatus part_status(const JobFolder& job, int part, std::int64_t now, const QueueStates& queue) {
+    const auto queued = queue.parts.find(part);
+    return status_of(job.attempts(part), job.is_done(part), job.slurm_job().has_value(),
+                     queued == queue.parts.end() ? "" : queued->second, now);
+}
+
+PartStatus merge_status(const JobFolder& job, std::int64_t now, const QueueStates& queue) {
+    const std::vector<Attempt> attempts = job.merge_attempts();
+    const bool done = !attempts.empty() && attempts.back().end && attempts.back().code == 0;
+    return status_of(attempts, done, job.slurm_merge_job().has_value(), queue.merge, now);
+}
+
+std::string merge_text(const JobFolder& job, const PartStatus& merge) {
+    switch (merge.state) {
+        case PartState::waiting:
+            return "";
+        case PartState::running:
+            return fmt::format("the merge runs on {}\n", merge.host);
+        case PartState::failed:
+            return fmt::format("the merge failed on {} with exit code {}; see {}\n", merge.host,
+                               merge.code, job.merge_log().string());
+        case PartState::lost:
+            return fmt::format("the merge was lost on {}; --submit runs it again\n", merge.host);
+        case PartState::done:
+            return "merged\n";
+    }
+    return "";
+}
+
+const char* name(PartState state) {
+    switch (state) {
+        case PartState::waiting:
+            return "waiting";
+        case PartState::running:
+            return "running";
+        case PartState::failed:
+            return "failed";
+        case PartState::lost:
+            return "lost";
+        case PartState::done:
+            return "done";
+    }
+    return "";
+}
+
 }  // namespace
 
-JobStatus job_status(const JobFolder& job, std::int64_t now,
-                     const std::map<int, std::string>& queue) {
+JobStatus job_status(const JobFolder& job, std::int64_t now, const QueueStates& queue) {
     JobStatus status;
+    status.merge = merge_status(job, now, queue);
     double done_seconds = 0, left = 0;
     for (int part = 1; part <= job.part_count(); ++part) {
         status.parts.push_back(part_status(job, part, now, queue));
@@ -92,7 +142,7 @@ std::string status_text(const JobFolder& job, const JobStatus& status) {
     if (status.seconds_left) {
         text += fmt::format("about {:.0f} s are left\n", *status.seconds_left);
     }
-    return text;
+    return text + merge_text(job, status.merge);
 }
 
 Json to_json(const JobFolder& job, const JobStatus& status) {
@@ -103,6 +153,7 @@ Json to_json(const JobFolder& job, const JobStatus& status) {
     json.set("waiting", status.count(PartState::waiting));
     json.set("failed", status.count(PartState::failed));
     json.set("lost", status.count(PartState::lost));
+    json.set("merge", name(status.merge.state));
     json.set("seconds_left", status.seconds_left);
     return json;
 }

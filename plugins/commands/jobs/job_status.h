@@ -4,17 +4,18 @@
 
 #include "core/base/json.h"
 #include "plugins/commands/jobs/job_folder.h"
+#include "plugins/commands/jobs/slurm.h"
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace lucerna {
 
+/// How far a part is, or the merge.
 enum class PartState : std::uint8_t {
-    waiting,  ///< not started, or stopped with a checkpoint
+    waiting,  ///< not started, or stopped to be run again
     running,
     failed,  ///< ended with an exit code that says not to try again
     lost,    ///< started, and no longer in Slurm's queue
@@ -33,14 +34,16 @@ bool is_temporary(int code);
 
 struct JobStatus {
     std::vector<PartStatus> parts;  ///< part n at n - 1
+    PartStatus merge{};
     std::optional<double> seconds_left{};
 
     int count(PartState state) const;
+    /// A part or the merge needs somebody to look at it.
+    bool broken() const;
 };
 
-/// `now` in seconds since 1970; `queue` tells Slurm's states.
-JobStatus job_status(const JobFolder& job, std::int64_t now,
-                     const std::map<int, std::string>& queue);
+/// `now` in seconds since 1970.
+JobStatus job_status(const JobFolder& job, std::int64_t now, const QueueStates& queue);
 
 std::string status_text(const JobFolder& job, const JobStatus& status);
 

@@ -116,15 +116,15 @@ private:
     }
 
     int merge() const {
-        const std::filesystem::path log = job_.path() / "logs" / "merge.txt";
-        const pid_t child = start("merge.sh", log, "", std::thread::hardware_concurrency());
+        const pid_t child =
+            start("merge.sh", job_.merge_log(), "", std::thread::hardware_concurrency());
         int status = 0;
         while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
         }
         const int code = exit_code_of(status);
         if (code != 0) {
             fmt::print(stderr, "{} failed with exit code {}; see {}\n",
-                       job_.merge_script().string(), code, log.string());
+                       job_.merge_script().string(), code, job_.merge_log().string());
         }
         return code;
     }

@@ -43,27 +43,35 @@ std::string sbatch(const JobFolder& job, std::vector<std::string> words) {
     return said.text.substr(0, said.text.find_first_of(";\n"));
 }
 
+/// What squeue says of a job, a line each part; nothing if it has forgotten it, or is not there.
+std::string squeue(const JobFolder& job, const std::string& number, const std::string& format) {
+    const ChildOutput queue =
+        run_child({{"squeue", "--noheader", "--array", "--jobs=" + number, "--format=" + format},
+                   job.path()});
+    return queue.code == 0 ? queue.text : "";
+}
+
 }  // namespace
 
-std::map<int, std::string> slurm_states(const JobFolder& job) {
-    std::map<int, std::string> states;
-    const std::optional<std::string> number = job.slurm_job();
-    if (!number) return states;
-    const ChildOutput queue = run_child(
-        {{"squeue", "--noheader", "--array", "--jobs=" + *number, "--format=%K %T"}, job.path()});
-    if (queue.code != 0) return states;  // squeue fails for jobs that it has forgotten
-    std::istringstream lines(queue.text);
+QueueStates slurm_states(const JobFolder& job) {
+    QueueStates states;
+    const std::optional<std::string> parts = job.slurm_job(), merge = job.slurm_merge_job();
+    if (!parts || !merge) return states;
+    std::istringstream part_lines(squeue(job, *parts, "%K %T"));
     std::string state;
-    for (int part = 0; lines >> part >> state;) states[part] = state;
+    for (int part = 0; part_lines >> part >> state;) states.parts[part] = state;
+    std::istringstream(squeue(job, *merge, "%T")) >> states.merge;
     return states;
 }
 
 void submit(const JobFolder& job) {
-    if (!slurm_states(job).empty()) {
+    const QueueStates queue = slurm_states(job);
+    if (!queue.empty()) {
+        const std::string number = *(queue.parts.empty() ? job.slurm_merge_job() : job.slurm_job());
         throw Error(
             fmt::format("job {} of {} is still in Slurm's queue; cancel it with `scancel "
                         "{}` to submit the rest anew",
-                        *job.slurm_job(), job.path().string(), *job.slurm_job()));
+                        number, job.path().string(), number));
     }
     const std::vector<int> missing = job.missing_parts();
     std::vector<std::string> merge = {"merge.sh"};

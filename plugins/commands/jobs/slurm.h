@@ -9,9 +9,16 @@
 
 namespace lucerna {
 
-/// States of the parts in Slurm's queue, by number, in Slurm's words ("RUNNING", "PENDING"). Empty
-/// if nothing of the job is in the queue, or if there is no Slurm here.
-std::map<int, std::string> slurm_states(const JobFolder& job);
+/// States in Slurm's queue, in Slurm's words ("RUNNING", "PENDING"). What is not in the queue has
+/// none; nothing has one where there is no Slurm.
+struct QueueStates {
+    std::map<int, std::string> parts;  ///< by number
+    std::string merge;
+
+    bool empty() const { return parts.empty() && merge.empty(); }
+};
+
+QueueStates slurm_states(const JobFolder& job);
 
 /// Submits the parts that are not done, and what is to be done when they are.
 void submit(const JobFolder& job);

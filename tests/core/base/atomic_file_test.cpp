@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/atomic_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <sstream>
@@ -124,6 +127,28 @@ TEST(AtomicFile, OldFileSurvivesAFullDisk) {
     EXPECT_EQ(status, 0);
     EXPECT_EQ(content_of(folder / "a"), "old");
     EXPECT_EQ(count_files(folder), 1);
+}
+
+TEST(AtomicFile, RemovesWhatKilledWritersLeft) {
+    const TemporaryFolder folder;
+    const auto make = [&](const char* name, std::chrono::seconds age) {
+        std::ofstream(folder / name) << "a part";
+        fs::last_write_time(folder / name, fs::file_time_type::clock::now() - age);
+    };
+    using std::chrono::seconds;
+    make(".lucerna-1-0.tmp", seconds(120));
+    make(".lucerna-2-0.tmp", seconds(120));
+    make(".lucerna-3-0.tmp", seconds(0));
+    make("lucerna-4-0.tmp", seconds(120));
+    const int locked = open((folder / ".lucerna-2-0.tmp").c_str(), O_RDWR | O_CLOEXEC);
+    ASSERT_EQ(flock(locked, LOCK_EX), 0);  // as by a writer that is still there
+    write_file_atomically(folder / "a", "new");
+    close(locked);
+    EXPECT_FALSE(fs::exists(folder / ".lucerna-1-0.tmp"));
+    EXPECT_TRUE(fs::exists(folder / ".lucerna-2-0.tmp"));
+    EXPECT_TRUE(fs::exists(folder / ".lucerna-3-0.tmp"));
+    EXPECT_TRUE(fs::exists(folder / "lucerna-4-0.tmp"));
+    EXPECT_EQ(content_of(folder / "a"), "new");
 }
 
 TEST(AtomicFile, KilledAtAnyTimeLeavesAWholeFile) {
