@@ -113,6 +113,7 @@ void add_record(PartRecord& all, const PartRecord& part) {
     all.all_samples = std::max(all.all_samples, part.all_samples);
     all.time_limit = std::max(all.time_limit, part.time_limit);
     all.parts += std::max(part.parts, 1);
+    all.roundings.insert(part.roundings.begin(), part.roundings.end());
     // Only parts say when they began.
     const bool both_known = all.begin > 0 && part.begin > 0;
     all.begin = both_known ? std::min(all.begin, part.begin) : std::max(all.begin, part.begin);

@@ -5,6 +5,7 @@
 #include "core/interfaces/light_sampler.h"
 #include "core/render/stored_film.h"
 #include "core/scene/builder.h"
+#include "core/scene/processor_rounding.h"
 
 #include <fmt/format.h>
 
@@ -95,11 +96,13 @@ std::string Session::opened(const char* kind) const {
 
 std::string Session::light_sampler() const { return opened(LightSampler::kind); }
 
-PartRecord Session::record() const {
+PartRecord Session::record(std::set<std::uint64_t> earlier_roundings) const {
+    earlier_roundings.insert(processor_rounding());
     return {.scene = scene_file_.string(),
             .integrator = integrator(),
             .light_sampler = light_sampler(),
-            .film = film_text(description_)};
+            .film = film_text(description_),
+            .roundings = std::move(earlier_roundings)};
 }
 
 }  // namespace lucerna

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,8 +59,9 @@ public:
     /// Types, or empty if there is none: "path", "cache".
     std::string integrator() const { return opened(Integrator::kind); }
     std::string light_sampler() const;
-    /// What states say of their scene.
-    PartRecord record() const;
+    /// What states say of their scene and of the processors that it is rendered on: this one, and
+    /// those of the samples before.
+    PartRecord record(std::set<std::uint64_t> earlier_roundings = {}) const;
 
 private:
     std::string opened(const char* kind) const;

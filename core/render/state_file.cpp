@@ -241,6 +241,16 @@ private:
 
 std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        words.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return words;
+}
+
 class MetadataReader {
 public:
     MetadataReader(const Metadata& metadata, const fs::path& path)
@@ -255,11 +265,15 @@ public:
     }
 
     std::uint64_t number(const char* name, int base) const {
-        const auto text = value<std::string>(name);
-        std::uint64_t result = 0;
-        const char* end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, result, base);
-        if (error != std::errc() || stop != end) fail();
+        return number_of(value<std::string>(name), base);
+    }
+
+    /// Numbers between commas; none in an empty text.
+    std::set<std::uint64_t> numbers(const char* name, int base) const {
+        std::set<std::uint64_t> result;
+        for (const std::string& text : split(value<std::string>(name))) {
+            result.insert(number_of(text, base));
+        }
         return result;
     }
 
@@ -271,6 +285,14 @@ public:
     }
 
 private:
+    std::uint64_t number_of(const std::string& text, int base) const {
+        std::uint64_t result = 0;
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, result, base);
+        if (error != std::errc() || stop != end) fail();
+        return result;
+    }
+
     const Metadata& metadata_;
     const fs::path& path_;
 };
@@ -293,7 +315,8 @@ PartRecord read_part(const MetadataReader& reader) {
             .scene = reader.value<std::string>("lucerna:scene"),
             .integrator = reader.value<std::string>("lucerna:integrator"),
             .light_sampler = reader.value<std::string>("lucerna:light_sampler"),
-            .film = reader.value<std::string>("lucerna:film")};
+            .film = reader.value<std::string>("lucerna:film"),
+            .roundings = reader.numbers("lucerna:roundings", 16)};
 }
 
 void write_part(const PartRecord& part, Metadata& metadata) {
@@ -309,6 +332,9 @@ void write_part(const PartRecord& part, Metadata& metadata) {
     metadata["lucerna:integrator"] = part.integrator;
     metadata["lucerna:light_sampler"] = part.light_sampler;
     metadata["lucerna:film"] = part.film;
+    std::vector<std::string> roundings;
+    for (const std::uint64_t rounding : part.roundings) roundings.push_back(hex(rounding));
+    metadata["lucerna:roundings"] = join(roundings, ",");
 }
 
 void write_layout(const FilmLayout& layout, Metadata& metadata) {
@@ -323,16 +349,6 @@ void write_layout(const FilmLayout& layout, Metadata& metadata) {
     metadata["lucerna:negative_weight"] = layout.negative_weight;
     metadata["lucerna:noise_correlation"] = layout.noise_correlation;
     metadata["lucerna:chance_luminance"] = layout.chance_luminance;
-}
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> words;
-    for (std::size_t begin = 0; begin < text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        words.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return words;
 }
 
 /// Layout of a file whose picture has this size and place.
@@ -479,6 +495,14 @@ void StateFile::fail_damaged() const {
     throw FileError(
         fmt::format("{} is damaged: its checksum does not match; get it again, or render it again",
                     path_.string()));
+}
+
+std::string rounding_warning(const PartRecord& part) {
+    if (part.roundings.size() < 2) return "";
+    return fmt::format(
+        "warning: the samples come from {} kinds of processors, which do not round alike: the "
+        "picture is right, but its bits are those of none of them\n",
+        part.roundings.size());
 }
 
 RenderState read_state(const fs::path& path) {

@@ -13,7 +13,9 @@
 #include "core/render/film_state.h"
 #include "core/render/sample_ranges.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,8 +46,12 @@ struct PartRecord {
     int parts = 0;                  ///< that were merged
     double begin = 0, end = 0;      ///< of rendering, on all machines [s since 1970]
     std::string scene = {}, integrator = {}, light_sampler = {};
-    std::string film = {};  ///< film_text
+    std::string film = {};                   ///< film_text
+    std::set<std::uint64_t> roundings = {};  ///< processor_rounding() where it was rendered
 };
+
+/// A warning if a state comes from processors that do not give the same bits, or empty.
+std::string rounding_warning(const PartRecord& part);
 
 struct RenderState {
     FilmState film;

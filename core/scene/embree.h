@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Embree 3.13 and 4 behind one set of names. Included by accelerator.cpp only.
+/// Embree 3.13 and 4 behind one set of names. Included by sources of this folder only.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>)

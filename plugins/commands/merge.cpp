@@ -139,7 +139,7 @@ public:
             write_state(request_.state, state.film, state.identity, state.seconds, state.part);
         }
         if (view) write_picture(state, figures, *view);
-        fmt::print(stderr, "{}", figures_warnings(figures));
+        fmt::print(stderr, "{}{}", rounding_warning(state.part), figures_warnings(figures));
         print(state, figures);
         return exit_code::success;
     }

@@ -178,7 +178,7 @@ Reference collected_reference(const Request& request, const RoundSettings& setti
                         files.front().string()));
     }
     const fs::path path = fs::path(request.output) / "reference.exr";
-    write_state(path, state.film, identity, state.seconds, session.record());
+    write_state(path, state.film, identity, state.seconds, session.record(state.part.roundings));
     return reference_from(state, path);
 }
 

@@ -81,6 +81,8 @@ public:
                        state ? "refining" : "rendering", path_.string());
         }
         const double earlier = state ? state->seconds : 0;
+        const PartRecord record =
+            session_.record(state ? state->part.roundings : std::set<std::uint64_t>());
         if (options.budget.seconds) *options.budget.seconds -= earlier;
         Progress progress(Progress::choose(quiet));
         options.seed = seed_;
@@ -90,7 +92,7 @@ public:
         const double seconds = earlier + result.figures.render_seconds;
         const RenderIdentity identity = session_.identity(seed_);
         if (result.film.complete_samples() > 0) {
-            write_state(path_, result.film, identity, seconds, session_.record());
+            write_state(path_, result.film, identity, seconds, record);
         }
         if (result.interrupted) return {};
         return reference_from({std::move(result.film), identity, seconds}, path_);

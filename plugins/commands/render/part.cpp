@@ -70,6 +70,7 @@ int PartRendering::run() {
                    state->film.complete_samples(), range_.size());
     }
     if (state->part.begin > 0) begin_ = state->part.begin;
+    roundings_ = state->part.roundings;
 
     const InterruptGuard guard;
     const double earlier = state->seconds;
@@ -174,7 +175,7 @@ void PartRendering::remove_checkpoint() const {
 }
 
 PartRecord PartRendering::record() const {
-    PartRecord part = session_.record();
+    PartRecord part = session_.record(roundings_);
     part.planned = SampleRanges(range_);
     part.all_samples = all_samples_;
     part.time_limit = request_.budget.seconds.value_or(0);

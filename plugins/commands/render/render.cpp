@@ -75,6 +75,7 @@ private:
     PicturePaths paths_;
     Session session_;
     Display display_;
+    std::set<std::uint64_t> roundings_;  ///< of the samples before this run
     double last_checkpoint_ = 0;
 };
 
@@ -85,6 +86,7 @@ int Rendering::run() {
     check_files();
     std::optional<RenderState> state = previous_state();
     const double earlier_seconds = state ? state->seconds : 0;
+    if (state) roundings_ = state->part.roundings;
 
     const InterruptGuard guard;
     display_.begin();
@@ -106,6 +108,9 @@ int Rendering::run() {
                    annotated_image(result.film, result.figures, command_, request_.scene), paths_,
                    view_);
     fmt::print(stderr, "{}", figures_warnings(result.figures));
+    if (!roundings_.empty()) {
+        fmt::print(stderr, "{}", rounding_warning(session_.record(roundings_)));
+    }
     if (session_.scene().lights().empty() && is_black(result.film)) {
         fmt::print(stderr,
                    "warning: the picture is black: the scene has no light; add an <emitter>\n");
@@ -175,7 +180,7 @@ void Rendering::keep(const FilmState& film, double seconds, double earlier_secon
 
 void Rendering::save_state(const FilmState& film, double seconds) const {
     write_state(request_.checkpoint, film, session_.identity(request_.seed), seconds,
-                session_.record());
+                session_.record(roundings_));
 }
 
 Json Rendering::summary(const RenderResult& result) const {

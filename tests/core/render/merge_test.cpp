@@ -19,7 +19,8 @@ const RenderIdentity identity = {.scene_hash = 1, .seed = 2};
 class MergeStates : public testing::Test {
 protected:
     /// The state of some samples of a scene of noise.
-    std::filesystem::path part(const std::string& name, SampleRange range) const {
+    std::filesystem::path part(const std::string& name, SampleRange range,
+                               std::uint64_t rounding = 1) const {
         RenderOptions options;
         options.budget.samples = range.size();
         FilmState film(film_layout(*scene), range.begin);
@@ -27,6 +28,7 @@ protected:
         PartRecord record = {.planned = SampleRanges(range), .all_samples = 100, .parts = 1};
         record.begin = static_cast<double>(1000 + range.begin);
         record.end = static_cast<double>(range.end);
+        record.roundings = {rounding};
         write_state(folder / name, film, identity, 1.5, record);
         return folder / name;
     }
@@ -74,6 +76,16 @@ TEST_F(MergeStates, InStepsIsOneRender) {
     EXPECT_EQ(absent_samples(some.part).text(), "7-59");
     write_state(folder / "some", some.film, some.identity, some.seconds, some.part);
     EXPECT_TRUE(same_bits(merge_states({b, folder / "some"}).film, merge_states({a, b, c}).film));
+}
+
+TEST_F(MergeStates, TellsOfProcessorsThatRoundDifferently) {
+    const auto a = part("a", {0, 7}, 1), b = part("b", {7, 60}, 1), c = part("c", {60, 61}, 2);
+    EXPECT_EQ(rounding_warning(merge_states({a, b}).part), "");
+    const RenderState all = merge_states({a, b, c});
+    EXPECT_EQ(all.part.roundings, (std::set<std::uint64_t>{1, 2}));
+    EXPECT_EQ(rounding_warning(all.part),
+              "warning: the samples come from 2 kinds of processors, which do not round alike: the "
+              "picture is right, but its bits are those of none of them\n");
 }
 
 TEST_F(MergeStates, RefusesPixelsWithDifferentSamples) {

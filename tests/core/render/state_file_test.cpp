@@ -126,6 +126,7 @@ TEST_F(StateFile, HoldsWhichPartItIs) {
     part.integrator = "path";
     part.light_sampler = "cache";
     part.film = "hdrfilm\npixel_format=rgba";
+    part.roundings = {1, 0xfedcba9876543210};
     write_state(path, film, identity, 0, part);
     const PartRecord read = lucerna::StateFile(path).part();
     EXPECT_EQ(read.samples, part.samples);
@@ -140,6 +141,7 @@ TEST_F(StateFile, HoldsWhichPartItIs) {
     EXPECT_EQ(read.integrator, part.integrator);
     EXPECT_EQ(read.light_sampler, part.light_sampler);
     EXPECT_EQ(read.film, part.film);
+    EXPECT_EQ(read.roundings, part.roundings);
 }
 
 TEST_F(StateFile, N13_refuses_another_version) {
