@@ -63,7 +63,7 @@ EmbreeScene make_scene(RTCDevice device, Points& points) {
     return scene;
 }
 
-void add_hits(Points& points, std::vector<float>& values) {
+void add_hits(Points& points, std::vector<double>& values) {
     constexpr int rays = 256;
     const Device device(rtcNewDevice("threads=1"));
     if (!device) throw Error("Embree could not be started on this processor");
@@ -81,10 +81,10 @@ void add_hits(Points& points, std::vector<float>& values) {
     }
 }
 
-void add_functions(Points& points, std::vector<float>& values) {
-    constexpr int count = 256;
+void add_functions(Points& points, std::vector<double>& values) {
+    constexpr int count = 4096;
     for (int i = 0; i < count; ++i) {
-        const Vector3 x = 8.0f * points.next();
+        const Vector3d x(8.0f * points.next());
         values.insert(values.end(), {std::sin(x.x), std::cos(x.x), std::exp(-x.y), std::log(x.y),
                                      std::pow(x.x, x.z), std::atan2(x.y, x.z), std::acos(x.x / 8)});
     }
@@ -94,11 +94,11 @@ void add_functions(Points& points, std::vector<float>& values) {
 
 std::uint64_t processor_rounding() {
     Points points;
-    std::vector<float> values;
+    std::vector<double> values;
     add_hits(points, values);
     add_functions(points, values);
     return hash_of_bytes(
-        {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(float)});
+        {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(double)});
 }
 
 }  // namespace lucerna
