@@ -20,9 +20,9 @@ Color emitted(Color emission, Color sigma, float length) {
     return result;
 }
 
-/// The distance to the next of events that happen at a rate.
+/// The distance to the next of events that happen at a rate. 1 − u is exact.
 float sample_distance(double u, float rate) {
-    return static_cast<float>(-std::log1p(-u) / static_cast<double>(rate));
+    return static_cast<float>(-std::log(1 - u) / static_cast<double>(rate));
 }
 
 /// As fine as needed for media so thin that hardly any path collides.

@@ -26,7 +26,7 @@ public:
         rate_ =
             (beta.x * point_.sigma_t.x + beta.y * point_.sigma_t.y + beta.z * point_.sigma_t.z) /
             total;
-        reach_ = -std::expm1(-rate_ * segment.length);
+        reach_ = 1 - std::exp(-static_cast<double>(rate_) * static_cast<double>(segment.length));
         share_ = beta / total;
     }
 
@@ -35,7 +35,7 @@ public:
 
     /// A distance at which the medium would scatter, if it must before the end of the segment.
     float forced_distance(double u) const {
-        const double t = -std::log1p(-u * static_cast<double>(reach_)) / static_cast<double>(rate_);
+        const double t = -std::log(1 - u * reach_) / static_cast<double>(rate_);
         return std::min(static_cast<float>(t), segment_.length);
     }
 
@@ -58,7 +58,7 @@ public:
     }
     /// Its density [1/m].
     float pdf(float t) const {
-        const float forced = rate_ * std::exp(-rate_ * t) / reach_;
+        const float forced = rate_ * std::exp(-rate_ * t) / static_cast<float>(reach_);
         if (!(distance_ > 0)) return forced;
         const float off = t - delta_;
         const float near = distance_ / (angle_ * (distance_ * distance_ + off * off));
@@ -88,8 +88,8 @@ private:
     MediumSegment segment_;
     MediumPoint point_;
     Color beta_, share_;
-    float rate_ = 0;   ///< mean of the extinction over the throughput [1/m]
-    float reach_ = 0;  ///< share of collisions at this rate before the end
+    float rate_ = 0;    ///< mean of the extinction over the throughput [1/m]
+    double reach_ = 0;  ///< share of collisions at this rate before the end
     float delta_ = 0, distance_ = 0, begin_ = 0, angle_ = 0;
 };
 

@@ -15,7 +15,6 @@
 #include "core/scene/medium_tracking.h"
 #include "plugins/integrators/line_scattering.h"
 #include "plugins/integrators/medium_lighting.h"
-#include "plugins/integrators/path_noise.h"
 #include "plugins/integrators/render_options.h"
 
 #include <limits>
@@ -30,11 +29,13 @@ public:
         : max_depth_(params.int32("max_depth", -1, {.min = -1},
                                   "longest path in edges: 1 shows only emitters, 2 direct light; "
                                   "-1 is unlimited")),
-          rr_depth_(params.int32("rr_depth", 5, {.min = 1},
-                                 "edges before Russian roulette may end a path")),
-          emitter_samples_(params.int32("emitter_samples", 0, {.min = 0, .max = 64},
-                                        "samples of lights at each vertex; 0: 1, in scenes with "
-                                        "media 1 or 2, what a few paths show to be better")),
+          rr_depth_(params.int32("rr_depth", 0, {.min = 0},
+                                 "edges before Russian roulette may end a path; 0: 5, in scenes "
+                                 "with media 1")),
+          emitter_samples_(
+              params.int32("emitter_samples", 0, {.min = 0, .max = 64},
+                           "samples of lights at each vertex; 0: 1, in scenes with media "
+                           "2 (1 if a sample is more than 8 lights)")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
@@ -47,7 +48,7 @@ public:
     int light_bounces() const override { return std::max(max_depth_ - 2, -1); }
     void sample(const Scene& scene, std::span<CameraSample> samples) const override {
         if (max_depth_ == 0) return;
-        for (CameraSample& sample : samples) trace(scene, sample, passes_);
+        for (CameraSample& sample : samples) trace(scene, sample);
     }
 
 private:
@@ -89,7 +90,7 @@ private:
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
     };
 
-    void trace(const Scene& scene, CameraSample& sample, std::uint32_t passes) const;
+    void trace(const Scene& scene, CameraSample& sample) const;
     void draw_numbers(Path& path) const;
     Vertex arrive(Path& path) const;
     bool cross_medium(Path& path) const;
@@ -105,23 +106,18 @@ private:
     int emitter_samples_;
     bool hide_emitters_;
     const LightSampler& light_sampler_;
-    std::uint32_t passes_ = 1;
+    std::uint32_t light_samples_ = 1;
+    int first_roulette_ = 5;
 };
 
 void VolumetricPathIntegrator::prepare(const Scene& scene) {
-    passes_ = static_cast<std::uint32_t>(std::max(emitter_samples_, 1));
-    const std::uint32_t draws = light_sampler_.draws();
-    if (emitter_samples_ > 0 || !scene.has_media() || draws == 0 || draws > 8) return;
-    const PathNoiseMeter meter(scene);
-    const auto inefficiency = [&](int passes) {
-        const auto trace_all = [&](std::span<CameraSample> samples, auto&&...) {
-            for (CameraSample& sample : samples) {
-                trace(scene, sample, static_cast<std::uint32_t>(passes));
-            }
-        };
-        return meter.measure({.light_samples = passes}, trace_all).inefficiency(1, 1);
-    };
-    passes_ = inefficiency(2) < inefficiency(1) ? 2 : 1;
+    // In fog most of the noise comes from light samples near lamps, and paths that go on forever
+    // add little to it: measured with tests/benchmarks/media_against_mitsuba.py.
+    const bool media = scene.has_media();
+    const int usual_samples = media && light_sampler_.draws() <= 8 ? 2 : 1;
+    light_samples_ =
+        static_cast<std::uint32_t>(emitter_samples_ > 0 ? emitter_samples_ : usual_samples);
+    first_roulette_ = rr_depth_ > 0 ? rr_depth_ : (media ? 1 : 5);
 }
 
 /// The numbers of a step that are not for lights; those follow in the stream.
@@ -277,9 +273,8 @@ bool VolumetricPathIntegrator::scatter_in_medium(Path& path, const LitPoint& poi
     return true;
 }
 
-void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample,
-                                     std::uint32_t passes) const {
-    Path path(scene, sample, passes);
+void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample) const {
+    Path path(scene, sample, light_samples_);
     for (int step = 0;; ++step) {
         draw_numbers(path);
         const Vertex vertex = arrive(path);
@@ -295,11 +290,12 @@ void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample,
             SampleStream& stream = sample.stream;
             sample.result.radiance +=
                 path.beta *
-                (path.direct_weight * sample_lights(scene, light_sampler_, point, {passes, passes},
-                                                    1, path.rng, [&] { return stream.next_2d(); }));
+                (path.direct_weight * sample_lights(scene, light_sampler_, point,
+                                                    {light_samples_, light_samples_}, 1, path.rng,
+                                                    [&] { return stream.next_2d(); }));
             if (!scatter_in_medium(path, point)) return;
         }
-        if (step + 1 < rr_depth_) continue;
+        if (step + 1 < first_roulette_) continue;
         const float survival = survival_probability(path.beta, path.eta2);
         if (!(path.u_lobe_and_roulette.y < survival)) return;
         path.beta /= survival;

@@ -220,7 +220,7 @@ TEST(WhiteFurnace, O13_AnyNumberOfLightSamples) {
                               xml(camera);
     for (const int passes : {1, 3}) {
         const std::string integrator = volpath(integer("emitter_samples", passes));
-        EXPECT_TRUE(agrees(image_means(integrator + scene, 96), 1, 0.006)) << passes;
+        EXPECT_TRUE(agrees(image_means(integrator + scene, 160), 1, 0.006)) << passes;
     }
 }
 
