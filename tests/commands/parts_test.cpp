@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cerrno>
+#include <map>
 
 namespace lucerna {
 namespace {
@@ -115,9 +116,13 @@ class PartsOfIntegrators : public PartsOfRoom {};
 TEST_P(PartsOfIntegrators, AreTheWholeRender) {
     std::vector<std::string> scene = {"--set", "integrator=" + GetParam(), "--spp", "13", "--seed",
                                       "5"};
-    if (GetParam() == "sppm" || GetParam() == "photonmap") {
-        const char* const count = GetParam() == "sppm" ? "photon_count" : "global_photons";
-        scene.insert(scene.end(), {"--set", fmt::format("integrator.{}=10000", count)});
+    const std::map<std::string, std::vector<std::string>> photons = {
+        {"sppm", {"photon_count"}},
+        {"photonmap", {"global_photons", "caustic_photons", "volume_photons"}}};
+    if (const auto counts = photons.find(GetParam()); counts != photons.end()) {
+        for (const std::string& count : counts->second) {
+            scene.insert(scene.end(), {"--set", fmt::format("integrator.{}=10000", count)});
+        }
     }
     expect_whole(scene);
 }

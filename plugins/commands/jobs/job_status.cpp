@@ -58,7 +58,9 @@ PartStatus part_status(const JobFolder& job, int part, std::int64_t now, const Q
                      queued == queue.parts.end() ? "" : queued->second, now);
 }
 
+/// The merge of the parts that are there: an earlier one does not count.
 PartStatus merge_status(const JobFolder& job, std::int64_t now, const QueueStates& queue) {
+    if (!job.missing_parts().empty()) return {};
     const std::vector<Attempt> attempts = job.merge_attempts();
     const bool done = !attempts.empty() && attempts.back().end && attempts.back().code == 0;
     return status_of(attempts, done, job.slurm_merge_job().has_value(), queue.merge, now);
