@@ -140,6 +140,8 @@ wait_for 240 "the parts are never merged: $(squeue)" merged
 cmp job/scene.png single.png || fail "the PNGs differ"
 "$lucerna" farm job --status | tee status.txt
 grep -q '8 of 8 parts done' status.txt || fail "the status is wrong"
+told_of_merge() { [[ $("$lucerna" farm job --status) == *merged ]]; }
+wait_for 60 "the status does not tell of the merge" told_of_merge
 [[ -n $was_done || $(grep -c '^start' "job/records/$lost.txt") -ge 2 ]] ||
     fail "part $lost was not started again"
 echo "eight parts, one lost node, one requeued and one preempted part: the same bits"
