@@ -5,10 +5,10 @@
 /// farthest distance of a node, dₙ and d_f, and its contribution C (light_cut.h), the node of the
 /// largest bound P / dₙ² is divided, until that is below `error` times Σ C, or the cut has as many
 /// nodes as there are draws. The sum stands for the estimate of the light that the paper compares
-/// with, so that the cut does not depend on chance. Below the cut a walk takes a child in
-/// proportion to the mean of two probabilities, one ∝ P / dₙ², the other ∝ P / d_f²; where the point
-/// is inside of both children, the first is ∝ P. Distances are to spheres around the lights, not to
-/// boxes.
+/// with, so that the cut does not depend on chance. Below the cut a walk takes a child with the
+/// mean of two probabilities, one in proportion to P / dₙ², the other to P / d_f²; where the point
+/// is inside of both children, the first is in proportion to P. Distances are to spheres around the
+/// lights, not to boxes.
 #include "plugins/light_samplers/cut_light_sampler.h"
 
 namespace lucerna {
