@@ -54,4 +54,13 @@ private:
     std::vector<std::unique_ptr<Object>> objects_;
 };
 
+/// How many draws choose a light at a point: samplers may need less than they are asked for.
+inline double draws_that_choose(const LightSampler& sampler, const Receiver& at) {
+    double count = 0;
+    for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
+        count += sampler.sample(at, draw, 0.5f).has_value() ? 1 : 0;
+    }
+    return count;
+}
+
 }  // namespace lucerna

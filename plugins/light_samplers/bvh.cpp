@@ -53,11 +53,8 @@ std::optional<LightChoice> BVHLightSampler::sample(const Receiver& at, std::uint
     const float infinite = infinite_share();
     if (place < static_cast<double>(infinite)) {
         const auto count = static_cast<double>(groups_.infinite());
-        place *= count / static_cast<double>(infinite);
-        const double group = std::min(std::floor(place), count - 1);
-        LightChoice choice = groups_.draw(static_cast<std::size_t>(group), place - group);
-        choice.pmf *= scale * infinite / static_cast<float>(count);
-        return choice;
+        return groups_.draw_infinite(place * (count / static_cast<double>(infinite)),
+                                     scale * infinite);
     }
     if (!tree_.reaches(at)) return {};
     place = (place - static_cast<double>(infinite)) / (1 - static_cast<double>(infinite));
@@ -68,7 +65,7 @@ float BVHLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
     const auto scale = static_cast<float>(draws_);
     const float infinite = infinite_share();
     if (groups_.at_infinity(light)) {
-        return scale * infinite / static_cast<float>(groups_.infinite()) * groups_.pmf(light);
+        return groups_.infinite_pmf(light, scale * infinite);
     }
     if (!tree_.holds(light) || !tree_.reaches(at)) return 0;
     return tree_.pmf(at, light, scale * (1 - infinite));

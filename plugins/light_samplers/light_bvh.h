@@ -38,6 +38,8 @@ public:
     LightBVH(std::vector<TreeLight> lights, std::size_t light_count, const Workers& workers);
 
     bool empty() const { return nodes_.empty(); }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
+    const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
     std::size_t bytes() const {
         return nodes_.size() * sizeof(Node) + paths_.capacity() * sizeof(std::uint64_t);
     }
@@ -49,24 +51,51 @@ public:
     }
 
     /// Draws a light; u in [0, 1). `pmf` of the result begins with `scale`.
-    std::optional<LightChoice> sample(const Receiver& at, double u, float scale) const;
+    std::optional<LightChoice> sample(const Receiver& at, double u, float scale) const {
+        return descend(0, u, scale, [&](std::uint32_t node) { return children(node, at); });
+    }
     /// The number that `sample` reports for a light.
-    float pmf(const Receiver& at, std::uint32_t light, float scale) const;
+    float pmf(const Receiver& at, std::uint32_t light, float scale) const {
+        return pmf_of_descent(
+            light, [&](std::uint32_t) { return scale; },
+            [&](std::uint32_t node) { return children(node, at); });
+    }
 
-private:
-    static constexpr std::uint64_t no_path = ~std::uint64_t{0};
-
-    float importance(const Node& node, const Receiver& at) const;
+    /// What a point can get from the lights below a node, before it is divided by a distance.
+    struct View {
+        float power = 0;      ///< Φ cos θ' |cos θi'|; zero: no light can reach the point
+        float distance2 = 0;  ///< to the centre, squared, never zero
+    };
+    View view(const Node& node, const Receiver& at) const;
 
     /// The probabilities with which a walk down the tree takes the children of a node.
     struct Children {
         float first = 0, second = 0;  ///< both zero: no light below can reach the point
+
+        static Children in_proportion(float first, float second) {
+            const float sum = first + second;
+            return sum > 0 ? Children{first / sum, second / sum} : Children{};
+        }
     };
+    /// As `sample`, for a walk that begins at a node and takes children as `children(node)` says.
+    template <typename Choose>
+    std::optional<LightChoice> descend(std::uint32_t node, double u, float scale,
+                                       const Choose& children) const;
+    /// The number that `descend` reports for a light of the tree, from the first node on the way to
+    /// it for which `scale(node)` is not zero; zero if there is none.
+    template <typename Scale, typename Choose>
+    float pmf_of_descent(std::uint32_t light, const Scale& scale, const Choose& children) const;
+
+private:
+    static constexpr std::uint64_t no_path = ~std::uint64_t{0};
+
+    float importance(const Node& node, const Receiver& at) const {
+        const View seen = view(node, at);
+        return seen.power / std::max(seen.distance2, node.radius);
+    }
     Children children(std::uint32_t node, const Receiver& at) const {
-        const float first = importance(nodes_[node + 1], at);
-        const float second = importance(nodes_[nodes_[node].link], at);
-        const float sum = first + second;
-        return sum > 0 ? Children{first / sum, second / sum} : Children{};
+        return Children::in_proportion(importance(nodes_[node + 1], at),
+                                       importance(nodes_[nodes_[node].link], at));
     }
 
     static Node make_node(const LightTree::Node& node, const LightCluster& cluster);
@@ -152,7 +181,7 @@ inline float sin_of_difference(float sin_a, float cos_a, float sin_b, float cos_
     return cos_a > cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
 }
 
-inline float LightBVH::importance(const Node& node, const Receiver& at) const {
+inline LightBVH::View LightBVH::view(const Node& node, const Receiver& at) const {
     const Vector3 d = at.p - node.center;
     const float distance2 = glm::dot(d, d);
     const float radius = node.radius + 4 * at.error;
@@ -167,7 +196,8 @@ inline float LightBVH::importance(const Node& node, const Receiver& at) const {
     const float cos_x = cos_of_difference(sin_w, cos_w, node.sin_normals, node.cos_normals);
     const float sin_x = sin_of_difference(sin_w, cos_w, node.sin_normals, node.cos_normals);
     const float cos_emitted = inside ? 1.0f : cos_of_difference(sin_x, cos_x, sin_b, cos_b);
-    if (cos_emitted <= node.cos_emission) return 0;
+    View seen{.distance2 = std::max(distance2, least_distance2_)};
+    if (cos_emitted <= node.cos_emission) return seen;
 
     const float cos_i = std::min(std::abs(glm::dot(w, at.ns)), 1.0f);
     const float cos_incident =
@@ -175,16 +205,16 @@ inline float LightBVH::importance(const Node& node, const Receiver& at) const {
             ? 1.0f
             : cos_of_difference(safe_sqrt(1 - sqr(cos_i)), cos_i, sin_b, cos_b);
     // Grazing light is weak, but rounding must not make it impossible.
-    const float power = node.power * std::max(cos_emitted, 1e-5f) * std::max(cos_incident, 1e-5f);
-    return power / std::max({distance2, node.radius, least_distance2_});
+    seen.power = node.power * std::max(cos_emitted, 1e-5f) * std::max(cos_incident, 1e-5f);
+    return seen;
 }
 
-inline std::optional<LightChoice> LightBVH::sample(const Receiver& at, double u,
-                                                   float scale) const {
+template <typename Choose>
+std::optional<LightChoice> LightBVH::descend(std::uint32_t node, double u, float scale,
+                                             const Choose& children) const {
     float pmf = scale;
-    std::uint32_t node = 0;
     while (!nodes_[node].leaf) {
-        const Children p = children(node, at);
+        const Children p = children(node);
         const auto first = static_cast<double>(p.first);
         const bool second = !(u < first);
         if (second && !(p.second > 0)) return {};
@@ -196,14 +226,22 @@ inline std::optional<LightChoice> LightBVH::sample(const Receiver& at, double u,
     return LightChoice{nodes_[node].link, pmf};
 }
 
-inline float LightBVH::pmf(const Receiver& at, std::uint32_t light, float scale) const {
-    float pmf = scale;
+template <typename Scale, typename Choose>
+float LightBVH::pmf_of_descent(std::uint32_t light, const Scale& scale,
+                               const Choose& children) const {
     std::uint64_t path = paths_[light];
-    for (std::uint32_t node = 0; !nodes_[node].leaf; path >>= 1) {
-        const Children p = children(node, at);
+    std::uint32_t node = 0;
+    const auto child = [&](bool second) { return second ? nodes_[node].link : node + 1; };
+    float pmf = scale(node);
+    for (; pmf == 0 && !nodes_[node].leaf; path >>= 1) {
+        node = child(path & 1);
+        pmf = scale(node);
+    }
+    for (; !nodes_[node].leaf; path >>= 1) {
+        const Children p = children(node);
         const bool second = path & 1;
         pmf *= second ? p.second : p.first;
-        node = second ? nodes_[node].link : node + 1;
+        node = child(second);
     }
     return pmf;
 }

@@ -36,6 +36,18 @@ public:
         }
         return {light, 1};
     }
+    /// Draws from a group at infinity: number ⌊place⌋, for a place in [0, infinite()). `pmf` is for
+    /// groups that are drawn alike, and all of them together `draws` times.
+    LightChoice draw_infinite(double place, float draws) const {
+        const double group = std::min(std::floor(place), static_cast<double>(infinite()) - 1);
+        LightChoice choice = draw(static_cast<std::size_t>(group), place - group);
+        choice.pmf *= draws / static_cast<float>(infinite());
+        return choice;
+    }
+    /// The number that `draw_infinite` reports for a light.
+    float infinite_pmf(std::uint32_t light, float draws) const {
+        return draws / static_cast<float>(infinite()) * pmf(light);
+    }
     /// The probability of a light within its group.
     float pmf(std::uint32_t light) const {
         const Infinite* const g = group_of(light);

@@ -9,6 +9,7 @@
 #include "plugins/commands/contracts/light_scenes.h"
 #include "plugins/light_samplers/light_study.h"
 #include "plugins/light_samplers/pilot_paths.h"
+#include "plugins/light_samplers/region_study.h"
 #include "tests/paths.h"
 #include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
@@ -157,6 +158,94 @@ TEST_P(CacheSampler, E15_WallsUnderHundredsOfDimWindowsKnowThem) {
     ASSERT_GT(found.size(), 40u);
     EXPECT_LT(found[found.size() / 2], 2);
     EXPECT_LT(found[found.size() * 9 / 10], 5);
+}
+
+/// Samplers that divide a light tree, with parameters by which they divide all of it.
+class CutSamplers : public testing::TestWithParam<std::pair<const char*, const char*>> {
+protected:
+    static std::string sampler(double limit, int samples) {
+        const auto [type, name] = GetParam();
+        return light_sampler(type, number(name, limit) + integer("light_samples", samples));
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(All, CutSamplers,
+                         testing::Values(std::pair("adaptive_tree", "splitting_threshold"),
+                                         std::pair("slc", "error")));
+
+TEST_P(CutSamplers, trees_that_are_divided_to_the_end_draw_each_light_once) {
+    const TestScene test(courtyard(""));
+    const Scene& scene = test.scene();
+    const bool adaptive = std::string(GetParam().first) == "adaptive_tree";
+    const PreparedSampler prepared(sampler(adaptive ? 1 : 0, 1024), scene);
+    int contributing = 0;
+    for (const Receiver& at : seen_points(scene, 100)) {
+        for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+            const float pmf = prepared->pmf(at, i);
+            EXPECT_TRUE(pmf == 0 || pmf == 1) << pmf;
+            if (!contributes(scene, scene.lights()[i], at)) continue;
+            EXPECT_EQ(pmf, 1) << "light " << i;
+            ++contributing;
+        }
+    }
+    EXPECT_GT(contributing, 1000);
+}
+
+TEST_P(CutSamplers, coarse_cuts_draw_fewer_lights) {
+    const TestScene test(courtyard(""));
+    const bool adaptive = std::string(GetParam().first) == "adaptive_tree";
+    double coarse = 0, fine = 0;
+    const PreparedSampler one(sampler(adaptive ? 0 : 1e30, 16), test.scene());
+    const PreparedSampler many(sampler(adaptive ? 0.95 : 0.1, 16), test.scene());
+    for (const Receiver& at : seen_points(test.scene(), 100)) {
+        coarse += draws_that_choose(*one, at);
+        fine += draws_that_choose(*many, at);
+    }
+    EXPECT_GT(fine, 2 * coarse);
+}
+
+TEST(RegionStudy, posteriors_of_the_second_moment) {
+    Observations none;
+    EXPECT_DOUBLE_EQ(none.root_mean_square(3), 1);
+    // One ray that brings 1: p = 3/4, and of the brought light the mean is 1, the variance 1/2.
+    Observations one;
+    one.add(2);
+    EXPECT_DOUBLE_EQ(one.root_mean_square(0.5), std::sqrt(0.75 * 1.5));
+    // Many rays say what they are: a quarter is hidden, others bring 1 or 3.
+    Observations many;
+    for (int i = 0; i < 4000000; ++i) many.add(i % 4 == 0 ? 0 : i % 4 == 1 ? 3 : 1);
+    EXPECT_NEAR(many.root_mean_square(1), std::sqrt(11.0 / 4), 1e-5);
+    // Hidden ones are never forgotten.
+    Observations hidden;
+    for (int i = 0; i < 99; ++i) hidden.add(0);
+    EXPECT_DOUBLE_EQ(hidden.root_mean_square(1), std::sqrt(0.005 * 2));
+}
+
+TEST(LearnedSampler, draws_more_lights_that_are_seen_the_more_rays_it_learns_from) {
+    const TestScene test(courtyard("", 256));
+    const Scene& scene = test.scene();
+    // The share of draws for lights that are seen, from points that have light.
+    const auto seen = [&](const std::string& element) {
+        const PreparedSampler sampler(element, scene);
+        double sum = 0, all = 0;
+        for (const Receiver& at : seen_points(scene, 200)) {
+            double lit = 0, drawn = 0;
+            for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+                if (scene.lights()[i].emitter->infinite()) continue;
+                const auto p = static_cast<double>(sampler->pmf(at, i));
+                drawn += p;
+                if (contributes(scene, scene.lights()[i], at)) lit += p;
+            }
+            if (lit > 0) sum += lit / drawn, all += 1;
+        }
+        return sum / all;
+    };
+    double before = 0;
+    for (const int rays : {0, 2, 16}) {
+        const double now = seen(light_sampler("learned", integer("rays_per_cluster", rays)));
+        EXPECT_GT(now, before) << rays;
+        before = now;
+    }
 }
 
 std::string direct_with(const std::string& sampler) {
