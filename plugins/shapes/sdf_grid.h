@@ -53,11 +53,15 @@ private:
     double root_between(double begin, double end, bool falling) const {
         double s = 0.5 * (begin + end);
         for (int i = 0; i < 100; ++i) {
-            const double value = at(s);
-            (value > 0) == falling ? begin = s : end = s;
-            double next = s - value / slope(s);
+            const double value = at(s), step = value / slope(s);
+            if (value == 0 || std::abs(step) <= 1e-15 * end || end - begin <= 1e-15 * end) break;
+            if ((value > 0) == falling) {
+                begin = s;
+            } else {
+                end = s;
+            }
+            double next = s - step;
             if (!(next > begin && next < end)) next = 0.5 * (begin + end);
-            if (value == 0 || next == s || std::abs(next - s) <= 1e-15 * end) return next;
             s = next;
         }
         return s;

@@ -25,13 +25,9 @@ public:
                                 "shading normals");
         params.no_effect("silhouette_sampling_weight", "rendering is not differentiated");
         if (emitter()) {
-            params.error("emitter", "an sdfgrid cannot emit light: its area is not known; use a "
-                                    "mesh");
-        }
-        const Matrix4d& m = world_from_object().matrix();
-        if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) {
-            params.error("to_world", "\"to_world\" of an sdfgrid must be affine: the last row of "
-                                     "its matrix must be 0 0 0 1");
+            params.error("emitter",
+                         "an sdfgrid cannot emit light: its area is not known; use a "
+                         "mesh");
         }
         if (path.empty()) return;
         VolFile file = read_vol(path);
@@ -40,8 +36,8 @@ public:
         require_distances(file.grid, name);
         grid_ = SDFGrid(std::move(file.grid));
         if (grid_.empty()) {
-            throw Error(fmt::format("{}: there is no surface: its numbers all have the same sign",
-                                    name));
+            throw Error(
+                fmt::format("{}: there is no surface: its numbers all have the same sign", name));
         }
         place();
     }
@@ -87,13 +83,14 @@ private:
     static void require_distances(const VoxelGrid& grid, const std::string& name) {
         const Vector3i n = grid.resolution();
         if (grid.channels() != 1) {
-            throw Error(fmt::format("{}: it has {} channels; distances are one", name,
-                                    grid.channels()));
+            throw Error(
+                fmt::format("{}: it has {} channels; distances are one", name, grid.channels()));
         }
         if (std::min({n.x, n.y, n.z}) < 2) {
-            throw Error(fmt::format("{}: {} × {} × {} numbers have no surface between them: there "
-                                    "must be 2 or more along each axis",
-                                    name, n.x, n.y, n.z));
+            throw Error(
+                fmt::format("{}: {} × {} × {} numbers have no surface between them: there "
+                            "must be 2 or more along each axis",
+                            name, n.x, n.y, n.z));
         }
         for (int z = 0; z < n.z; ++z) {
             for (int y = 0; y < n.y; ++y) {
