@@ -49,11 +49,16 @@ Vector3d integrate(const F& spectrum, bool under_d65) {
 
 constexpr auto constant_one = [](double) { return 1.0; };
 
+/// Rec.709 of the reflectance 1, before it is made white.
+const Vector3d& white_of_reflectances() {
+    static const Vector3d white = rec709_from_xyz * integrate(constant_one, true);
+    return white;
+}
+
 template <typename F>
 Color convert(const F& spectrum, SpectrumUse use) {
     if (use == SpectrumUse::reflectance) {
-        static const Vector3d white = rec709_from_xyz * integrate(constant_one, true);
-        const Vector3d rgb = rec709_from_xyz * integrate(spectrum, true) / white;
+        const Vector3d rgb = rec709_from_xyz * integrate(spectrum, true) / white_of_reflectances();
         return Color(glm::clamp(rgb, Vector3d(0), Vector3d(1)));
     }
     static const double luminance_of_one = integrate(constant_one, false).y;
@@ -109,6 +114,23 @@ Color rgb_from_spectrum(const Spectrum& spectrum, SpectrumUse use) {
         return Color(static_cast<float>(std::clamp(spectrum.values[0], 0.0, 1.0)));
     }
     return convert([&](double wavelength) { return spectrum.at(wavelength); }, use);
+}
+
+std::vector<ColorD> rgb_of_reflectances(const std::vector<double>& wavelengths) {
+    std::vector<ColorD> result(wavelengths.size(), ColorD(0));
+    for (int i = 0; i < quadrature_points; ++i) {
+        const double wavelength = cie_first + (i + 0.5) * quadrature_step;
+        const auto above = std::upper_bound(wavelengths.begin(), wavelengths.end(), wavelength);
+        if (above == wavelengths.begin() || above == wavelengths.end()) continue;
+        const auto k = static_cast<std::size_t>(above - wavelengths.begin());
+        const double t = (wavelength - wavelengths[k - 1]) / (wavelengths[k] - wavelengths[k - 1]);
+        const CieSample cie = cie_at(wavelength);
+        const ColorD light = rec709_from_xyz * (cie.d65 * Vector3d(cie.x, cie.y, cie.z)) *
+                             quadrature_step / white_of_reflectances();
+        result[k - 1] += (1 - t) * light;
+        result[k] += t * light;
+    }
+    return result;
 }
 
 Color blackbody(double kelvin) {

@@ -36,6 +36,10 @@ enum class SpectrumUse { emission, reflectance };
 /// wavelengths and values do not fit.
 Color rgb_from_spectrum(const Spectrum& spectrum, SpectrumUse use);
 
+/// What each value of a reflectance contributes: its linear Rec.709 is the sum of values[i] times
+/// the i-th result, without clamping. For many spectra at the same wavelengths [nm], which rise.
+std::vector<ColorD> rgb_of_reflectances(const std::vector<double>& wavelengths);
+
 /// Radiance of a black body [W/(m² sr nm), as `emission`] by Planck's law with the constants of
 /// CODATA 2018: luminance in cd/m² is 683 · 106.86 times that of the result.
 /// Throws Error unless 0 < kelvin < ∞.

@@ -21,7 +21,7 @@ public:
     /// The same at a point of a surface, which differ for textures that read more than `uv` of it.
     virtual Color color_at(const Interaction& at) const { return color(at.uv); }
     virtual float real_at(const Interaction& at) const { return real(at.uv); }
-    /// What it reads of the surface (Shape::attribute), as "vertex_color"; empty: nothing but uv.
+    /// What it reads of the surface: "position", a Shape::attribute, or, if it is empty, only uv.
     virtual std::string_view attribute() const { return {}; }
     /// ∂real/∂u and ∂real/∂v. Central differences unless overridden.
     virtual Vector2 gradient(Vector2 uv) const;

@@ -183,6 +183,14 @@ void ObjectBuilder::require_attributes(const Element& element, const Shape* shap
         const auto* texture = dynamic_cast<const Texture*>(built_[child.element]);
         if (!texture || texture->attribute().empty()) continue;
         const std::string name(texture->attribute());
+        if (name == "position") {  // all surfaces have it
+            if (shape) continue;
+            diagnostics_.error(child.where,
+                               fmt::format("texture \"{}\" is looked up where a surface lies, and "
+                                           "there is no surface here",
+                                           child.element->type));
+            continue;
+        }
         const std::vector<std::string> known =
             shape ? shape->attributes() : std::vector<std::string>();
         if (std::find(known.begin(), known.end(), name) != known.end()) continue;

@@ -16,7 +16,8 @@ public:
           scale_(params.real("scale", 1, any_value, "factor of the height")) {
         if (height_.attribute().empty()) return;
         params.error("texture",
-                     "a bump map needs a texture that changes with uv, not an attribute of a mesh");
+                     "a bump map needs a texture that changes with uv, not an attribute of a mesh "
+                     "or a volume");
     }
 
 protected:

@@ -39,6 +39,12 @@ VOLUME = CAMERA.replace('"path"', '"volpath"') + """<shape type="cube">
 <medium type="heterogeneous" name="interior"><volume type="gridvolume" name="sigma_t">
 <string name="filename" value="{name}"/></volume></medium></shape></scene>"""
 
+SDF_GRID = CAMERA + """<shape type="sdfgrid"><string name="filename" value="{name}"/></shape>
+</scene>"""
+
+MEASURED = CAMERA + """<shape type="sphere"><bsdf type="measured">
+<string name="filename" value="{name}"/></bsdf></shape></scene>"""
+
 SECONDS = 10
 MEMORY = 8 << 30  # address space [bytes]; a damaged file must not ask for more
 EXIT_CODES = (0, 3, 5)  # success, wrong scene, file that cannot be read
@@ -48,20 +54,28 @@ NUMBERS = (b"0", b"-1", b"1", b"3", b"255", b"65536", b"2147483648", b"429496729
 PLACED = re.compile(r"^[^:]+:\d+:\d+: (error|warning): ")
 
 
+def read(folder, name):
+    with open(os.path.join(CORPUS, folder, name), "rb") as file:
+        return file.read()
+
+
 def seeds():
     """(name, bytes, scene or None) of what is to be damaged; no scene: it is one."""
     found = []
-    for folder in ("obj_fuzz", "ply_fuzz", "serialized_fuzz", "image_fuzz", "vol_fuzz"):
+    for folder in ("obj_fuzz", "ply_fuzz", "serialized_fuzz", "image_fuzz", "vol_fuzz",
+                   "measured_fuzz"):
         for name in sorted(os.listdir(os.path.join(CORPUS, folder))):
             kind = name.rsplit(".", 1)[1]
             if folder == "image_fuzz":
                 scene = PICTURE.format(name=name)
             elif folder == "vol_fuzz":
                 scene = VOLUME.format(name=name)
+                found.append((name, read(folder, name), SDF_GRID.format(name=name)))
+            elif folder == "measured_fuzz":
+                scene = MEASURED.format(name=name)
             else:
                 scene = MESH.format(kind=kind, name=name)
-            with open(os.path.join(CORPUS, folder, name), "rb") as file:
-                found.append((name, file.read(), scene))
+            found.append((name, read(folder, name), scene))
     for name in ("first", "cornell-box", "furnace", "veach-mis"):
         with open(os.path.join(SCENES, name, "scene.xml"), "rb") as file:
             found.append((name + ".xml", file.read(), None))

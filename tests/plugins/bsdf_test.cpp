@@ -9,8 +9,10 @@
 #include "core/math/warp.h"
 #include "core/scene/builder.h"
 #include "plugins/commands/contracts/bsdf.h"
+#include "tests/measured_writer.h"
 #include "tests/paths.h"
 #include "tests/statistics.h"
+#include "tests/vol_writer.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -30,7 +32,7 @@ constexpr Effort effort{.samples = 100000};
 Interaction surface() { return contracts::bsdf_surface(); }
 Vector3 direction(float cos_theta, float phi) { return contracts::local_direction(cos_theta, phi); }
 
-/// Images that the bodies below refer to: a strongly tilted normal, and a slope.
+/// Files that the bodies below refer to: a strongly tilted normal, a slope, and measurements.
 const TemporaryFolder& images() {
     static const TemporaryFolder folder;
     [[maybe_unused]] static const bool written = [] {
@@ -42,6 +44,15 @@ const TemporaryFolder& images() {
         write_png(folder / "slope.png",
                   rgb(2, {0, 0, 0, 120, 120, 120, 60, 60, 60, 255, 255, 255}));
         write_png(folder / "grey.png", rgb(1, {102, 102, 102}));
+        const auto write_measured = [](const char* name, const MicrofacetMaterial& material,
+                                       const MeasuringGrid& grid) {
+            write_bytes(folder / name, tensor_bytes(measured(material, grid)));
+        };
+        write_measured("copper.bsdf", {.reflectance = {0.9f, 0.6f, 0.5f}}, {});
+        write_measured("brushed.bsdf", {.facets = {Microfacet::Type::ggx, 0.2f, 0.5f}},
+                       {.phis = 5, .symmetry = 4, .thetas = 6, .spectral = true});
+        write_measured("shiny.bsdf", {.facets = {Microfacet::Type::ggx, 0.1f, 0.15f}},
+                       {.phis = 9, .thetas = 6, .normals = 40, .samples = 8});
         return true;
     }();
     return folder;
@@ -81,6 +92,7 @@ const std::map<std::string, std::string> bodies = {
     {"blendbsdf", bsdf("diffuse") + bsdf("roughconductor")},
     {"bumpmap", image("slope.png") + bsdf("diffuse")},
     {"mask", bsdf("diffuse")},
+    {"measured", word("filename", "copper.bsdf")},
     {"normalmap", image("tilted.png", "normalmap") + bsdf("diffuse")},
     {"twosided", bsdf("diffuse")},
 };
@@ -167,6 +179,8 @@ std::vector<std::string> variants() {
     all.push_back(bsdf("hair", number("longitudinal_roughness", 0.15) +
                                    number("azimuthal_roughness", 0.2) +
                                    image("grey.png", "sigma_a") + ior(1.3) + number("scale", 0.3)));
+    all.push_back(bsdf("measured", word("filename", "brushed.bsdf")));
+    all.push_back(bsdf("twosided", bsdf("measured", word("filename", "shiny.bsdf"))));
     all.push_back(bsdf("bumpmap", image("slope.png") + number("scale", -3) +
                                       bsdf("normalmap", image("tilted.png") + bsdf("plastic"))));
     for (const std::string& xml : disney_variants()) all.push_back(xml);

@@ -69,6 +69,7 @@ const std::map<std::string, std::string>& bodies() {
                                                            {"merge", ""},
                                                            {"obj", file("octahedron.obj")},
                                                            {"ply", file("octahedron.ply")},
+                                                           {"sdfgrid", ""},
                                                            {"serialized", ""},
                                                            {"shapegroup", ""},
                                                            {"instance", ""}};

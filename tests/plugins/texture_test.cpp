@@ -10,6 +10,7 @@
 #include "tests/core/image/damage.h"
 #include "tests/plugins/workshop.h"
 #include "tests/statistics.h"
+#include "tests/vol_writer.h"
 
 #include <map>
 
@@ -101,6 +102,27 @@ TEST_F(Textures, RawConstantsAreOneNumberOrThree) {
     EXPECT_EQ(make(texture("rawconstant", number("value", 0.3))).color({0, 0}), Color(0.3f));
     EXPECT_NE(refusal(texture("rawconstant", "<rgb name='value' value='1'/>")), "");
     EXPECT_NE(refusal(texture("rawconstant")), "");
+}
+
+TEST_F(Textures, VolumesAreLookedUpByPosition) {
+    write_bytes(*folder / "two.vol",
+                vol_bytes({.resolution = {2, 1, 1}, .channels = 3},
+                          std::vector<float>{0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}));
+    const Texture& t = make(texture(
+        "volume", "<volume type='gridvolume' name='volume'>" + word("filename", "two.vol") +
+                      nearest + "<transform name='to_world'><scale x='4'/></transform></volume>"));
+    Interaction at;
+    at.uv = {0.9f, 0.9f};
+    at.p = {1, 0.5f, 0.5f};
+    EXPECT_EQ(t.color_at(at), Color(0.1f, 0.2f, 0.3f));
+    at.p.x = 3;
+    EXPECT_EQ(t.color_at(at), Color(0.4f, 0.5f, 0.6f));
+    EXPECT_EQ(t.real_at(at), luminance({0.4f, 0.5f, 0.6f}));
+    EXPECT_FLOAT_EQ(t.max(), 0.6f);
+    EXPECT_EQ(t.attribute(), "position");
+    const Texture& constant = make(texture("volume", "<rgb name='volume' value='1, 2, 3'/>"));
+    EXPECT_EQ(constant.color_at(at), Color(1, 2, 3));
+    EXPECT_EQ(constant.attribute(), "");
 }
 
 TEST_F(Textures, PicturesHaveTheirAspect) {
