@@ -3,9 +3,9 @@
 /// (Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and
 /// Rendering").
 ///
-/// A direction (θ, φ) lies at (√(2θ/π), (φ + π) / 2π) in the unit square. For each direction ωi
-/// that was measured, the density of visible normals `vndf` maps a point s of the square to a normal
-/// ωm; what was measured at s, with the cosine of ωo, is
+/// A direction (θ, φ) lies at (√(2θ/π), (φ + π) / 2π) in the unit square. For each ωi that was
+/// measured, the density of visible normals `vndf` maps a point s of the square to a normal ωm;
+/// what was measured at s, with the cosine of ωo, is
 ///
 ///     f cos θo = spectra(s) D(ωm) / (4 σ(ωi))
 ///
