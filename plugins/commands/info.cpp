@@ -204,10 +204,13 @@ int volume_info(const SessionSettings& settings, const std::string& plugin, cons
                 bool json) {
     // Names are filled in after the text is read: they may hold any character.
     ReadOptions options;
-    options.defines = {{"file", fs::absolute(settings.scene).string()}, {"grid", grid}};
+    options.defines = {{"file", fs::absolute(settings.scene).string()}};
     std::string xml = "<scene version='3.0.0'><volume type='" + plugin +
                       "'><string name='filename' value='$file'/>";
-    if (!grid.empty()) xml += "<string name='grid' value='$grid'/>";
+    if (!grid.empty()) {
+        options.defines.emplace_back("grid", grid);
+        xml += "<string name='grid' value='$grid'/>";
+    }
     Diagnostics diagnostics;
     const Description description =
         read_scene_text(xml + "</volume></scene>", settings.scene.string(), options, diagnostics);

@@ -10,8 +10,6 @@
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/SampleFromVoxels.h>
 
-#include <sstream>
-
 namespace lucerna {
 namespace {
 
@@ -31,26 +29,27 @@ Handle fog(const std::string& name = "density", GridClass grid_class = GridClass
     return builder.getHandle(0.25, nanovdb::Vec3d(3, -4, 5), name);
 }
 
-Bytes bytes(std::vector<Handle> grids, Codec codec = Codec::NONE) {
-    std::ostringstream stream;
-    nanovdb::io::writeGrids(stream, grids, codec);
-    const std::string text = stream.str();
-    return Bytes(text.begin(), text.end());
+Bytes bytes(const std::vector<Handle>& grids, Codec codec = Codec::NONE) {
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder / "a.nvdb";
+    nanovdb::io::writeGrids(path.string(), grids, codec);
+    return bytes_of(path);
 }
 template <typename... Handles>
 Bytes file_of(Handles&&... handles) {
     std::vector<Handle> grids;
     (grids.push_back(std::move(handles)), ...);
-    return bytes(std::move(grids));
+    return bytes(grids);
 }
 Bytes compressed(Codec codec) {
     std::vector<Handle> grids;
     grids.push_back(fog());
-    return bytes(std::move(grids), codec);
+    return bytes(grids, codec);
 }
 
 VdbGrid read(const Bytes& bytes, const std::string& grid = "") {
-    return read_nanovdb(bytes, "a", grid);
+    // Files that lie may ask for all the memory of the machine.
+    return read_nanovdb(bytes, "a", grid, std::uint64_t{1} << 28);
 }
 
 template <typename Build>
@@ -140,7 +139,9 @@ TEST(NanoVdbFile, L19_GridsThatAreNoVolumesAreRefused) {
     EXPECT_EQ(refusal_of(read, file_of(fog("sphere", GridClass::LevelSet))),
               "a: grid \"sphere\" is a level set, of distances to a surface; a volume needs a fog "
               "volume, of densities");
-    EXPECT_EQ(refusal_of(read, file_of(fog("v", GridClass::Staggered))),
+    nanovdb::GridBuilder<nanovdb::Vec3f> velocity(nanovdb::Vec3f(0));
+    velocity.setGridClass(GridClass::Staggered);
+    EXPECT_EQ(refusal_of(read, file_of(velocity.getHandle(1, nanovdb::Vec3d(0), "v"))),
               "a: grid \"v\" is of the class \"staggered\"; a volume needs a fog volume");
     EXPECT_EQ(refusal_of(read, file_of(nanovdb::GridBuilder<double>(0.0).getHandle())),
               "a: grid \"\" has values of type double; a volume is read from float, Vec3f, Float4, "
