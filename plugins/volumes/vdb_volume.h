@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A volume from a file of sparse grids: the parameters that `openvdb` and `nanovdb` have in common.
+/// A volume from a file of sparse grids, and the parameters that `openvdb` and `nanovdb` share.
 ///
 ///   filename      path
 ///   grid          string             name of the grid; the only one, or "density"

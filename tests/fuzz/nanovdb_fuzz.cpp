@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Any bytes are either a NanoVDB grid, all of whose voxels can be read, or end in an error message.
+/// Any bytes are either a NanoVDB grid, all of whose voxels can be read, or end in an error
+/// message.
 #include "plugins/volumes/nanovdb_file.h"
 #include "tests/fuzz/vdb_fuzz.h"
 

@@ -185,7 +185,7 @@ TEST_F(OpenVdbFile, L19_GridsThatAreNoVolumesAreRefused) {
     EXPECT_EQ(said({velocity}),
               "a: grid \"v\" is of the class \"staggered\"; a volume needs a fog volume");
     EXPECT_EQ(said({openvdb::Int32Grid::create()}),
-              "a: grid \"\" has the type \"Tree_int32_5_4_3\"; a volume is read from "
+              "a: grid \"[0]\" has the type \"Tree_int32_5_4_3\"; a volume is read from "
               "Tree_float_5_4_3 or Tree_vec3s_5_4_3");
     const auto frustum = fog();
     frustum->setTransform(openvdb::math::Transform::createFrustumTransform(
@@ -198,11 +198,13 @@ TEST_F(OpenVdbFile, L16_ABoxThatDoesNotFitIsRefusedBeforeItIsMade) {
     const auto sparse = FloatGrid::create();
     sparse->tree().setValue({0, 0, 0}, 1);
     sparse->tree().setValue({99999, 99999, 99999}, 1);
-    EXPECT_EQ(said({sparse}),
-              "a: grid \"\": the box of its active voxels, 100000 × 100000 × 100000, takes 4 bytes "
-              "for each of them, more than this machine has");
+    EXPECT_EQ(
+        said({sparse}),
+        "a: grid \"[0]\": the box of its active voxels, 100000 × 100000 × 100000, takes 4 bytes "
+        "for each of them, more than this machine has");
     sparse->tree().setValue({std::numeric_limits<int>::max(), 0, 0}, 1);
-    EXPECT_EQ(said({sparse}), "a: grid \"\": it has active voxels at indices beyond ±1073741824");
+    EXPECT_EQ(said({sparse}),
+              "a: grid \"[0]\": it has active voxels at indices beyond ±1073741824");
     const Bytes file = bytes({fog()});
     const auto voxels = static_cast<std::uint64_t>(read(file).voxels.bytes().size());
     EXPECT_NO_THROW(read_openvdb(file, "a", "", voxels));
