@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// info: what a scene holds and loads, or what an image file holds, with its metadata.
+/// info: what a scene holds and loads, what an image file holds, with its metadata, or a file of a
+/// volume.
 #include "core/base/json.h"
 #include "core/command_line/arguments.h"
+#include "core/description/xml_reader.h"
 #include "core/image/exr.h"
 #include "core/image/read_image.h"
 #include "core/interfaces/command.h"
+#include "core/interfaces/volume.h"
 #include "core/render/session.h"
+#include "core/scene/builder.h"
 
 #include <fmt/format.h>
 
@@ -188,6 +192,56 @@ int image_info(const std::string& path, bool json) {
     return exit_code::success;
 }
 
+/// The plugin that reads a volume file, by its extension; empty if it is none.
+std::string volume_plugin(const fs::path& path) {
+    const fs::path extension = path.extension();
+    if (extension == ".vol") return "gridvolume";
+    if (extension == ".vdb") return "openvdb";
+    return extension == ".nvdb" ? "nanovdb" : "";
+}
+
+int volume_info(const SessionSettings& settings, const std::string& plugin, const std::string& grid,
+                bool json) {
+    // Names are filled in after the text is read: they may hold any character.
+    ReadOptions options;
+    options.defines = {{"file", fs::absolute(settings.scene).string()}};
+    std::string xml = "<scene version='3.0.0'><volume type='" + plugin +
+                      "'><string name='filename' value='$file'/>";
+    if (!grid.empty()) {
+        options.defines.emplace_back("grid", grid);
+        xml += "<string name='grid' value='$grid'/>";
+    }
+    Diagnostics diagnostics;
+    const Description description =
+        read_scene_text(xml + "</volume></scene>", settings.scene.string(), options, diagnostics);
+    diagnostics.throw_if_errors();
+    Registry registry(settings.plugin_folders);
+    std::vector<std::unique_ptr<Object>> objects;
+    const auto& volume = static_cast<const Volume&>(*build_object(
+        *description.root->children.front().element, description, registry, diagnostics, objects));
+    diagnostics.throw_if_errors();
+    const Bounds3 bounds = volume.bounds();
+    const glm::ivec3 n = volume.resolution();
+    if (json) {
+        const auto array = [](Vector3 v) {
+            return Json::array().append(v.x).append(v.y).append(v.z);
+        };
+        fmt::print("{}", Json::object()
+                             .set("schema", 1)
+                             .set("volume", settings.scene.string())
+                             .set("resolution", Json::array().append(n.x).append(n.y).append(n.z))
+                             .set("min", array(bounds.min))
+                             .set("max", array(bounds.max))
+                             .set("largest", volume.max(bounds))
+                             .text());
+    } else {
+        fmt::print("{}: {} × {} × {} voxels\n", settings.scene.string(), n.x, n.y, n.z);
+        fmt::print("bounds   {} to {}\n", text(bounds.min), text(bounds.max));
+        fmt::print("largest  {:g}\n", volume.max(bounds));
+    }
+    return exit_code::success;
+}
+
 class InfoCommand final : public Command {
 public:
     explicit InfoCommand(const Params&) {}
@@ -197,8 +251,12 @@ public:
         bool json = false;
         SessionSettings settings;
         std::vector<std::string> folders;
-        Arguments arguments("info", "Tells what a scene or an image file holds.");
-        arguments.positional("FILE", path, "a scene (XML), or an EXR, Radiance, PNG or JPEG file");
+        std::string grid;
+        Arguments arguments("info", "Tells what a scene, an image or a volume file holds.");
+        arguments.positional("FILE", path,
+                             "a scene (XML), an EXR, Radiance, PNG or JPEG file, or a volume (vol, "
+                             "vdb, nvdb)");
+        arguments.option("--grid", "NAME", grid, "a grid of a file of sparse grids");
         arguments.option("-D,--define", "NAME=VALUE", settings.defines,
                          "value of $NAME in the scene; may be repeated");
         arguments.option("--set", "PATH=VALUE", settings.overrides,
@@ -209,13 +267,15 @@ public:
         if (const std::optional<int> code = arguments.parse(words)) return *code;
         settings.plugin_folders.assign(folders.begin(), folders.end());
         settings.scene = path;
-        return settings.scene.extension() == ".xml" ? scene_info(settings, json)
-                                                    : image_info(path, json);
+        if (settings.scene.extension() == ".xml") return scene_info(settings, json);
+        const std::string plugin = volume_plugin(settings.scene);
+        return plugin.empty() ? image_info(path, json) : volume_info(settings, plugin, grid, json);
     }
 };
 
 }  // namespace
 
-const PluginInfo plugin = describe<InfoCommand>("tells what a scene or an image file holds");
+const PluginInfo plugin =
+    describe<InfoCommand>("tells what a scene, an image or a volume file holds");
 
 }  // namespace lucerna

@@ -15,7 +15,12 @@ public:
     explicit Heterogeneous(const Params& params) : Medium(params), coefficients_(params) {
         if (coefficients_.constant()) return;
         const Bounds3 box = coefficients_.bounds();
-        if (box.empty() || !is_finite(box.min) || !is_finite(box.max)) {
+        if (box.empty()) {
+            throw Error(
+                "the volumes of a heterogeneous medium share no point of the world: it would be "
+                "empty");
+        }
+        if (!is_finite(box.min) || !is_finite(box.max)) {
             throw Error("one of the volumes of a heterogeneous medium must have bounds");
         }
         const glm::ivec3 size =

@@ -21,8 +21,9 @@ class BlockMaxima {
 public:
     BlockMaxima() = default;
     /// Reads the whole grid once, in parallel. Throws Error, which begins with `name`, for the
-    /// first voxel that is negative, infinite or no number.
-    BlockMaxima(const VoxelGrid& grid, const std::string& name);
+    /// first voxel that is negative, infinite or no number; `first` is what its message calls voxel
+    /// (0, 0, 0).
+    BlockMaxima(const VoxelGrid& grid, const std::string& name, Vector3i first = Vector3i(0));
 
     float smallest() const { return smallest_; }
     float largest() const { return largest_; }
@@ -48,14 +49,14 @@ private:
     }
     static float scan(const VoxelGrid& grid, const VoxelBox& box);
     [[noreturn]] static void refuse(const VoxelGrid& grid, std::size_t place,
-                                    const std::string& name);
+                                    const std::string& name, Vector3i first);
 
     Vector3i blocks_{0};
     std::vector<float> maxima_;
     float smallest_ = 0, largest_ = 0;
 };
 
-inline BlockMaxima::BlockMaxima(const VoxelGrid& grid, const std::string& name)
+inline BlockMaxima::BlockMaxima(const VoxelGrid& grid, const std::string& name, Vector3i first)
     : blocks_((grid.resolution() + (edge - 1)) / edge) {
     maxima_.resize(index({0, 0, blocks_.z}));
     std::vector<Layer> layers(static_cast<std::size_t>(blocks_.z));
@@ -64,7 +65,7 @@ inline BlockMaxima::BlockMaxima(const VoxelGrid& grid, const std::string& name)
     });
     smallest_ = infinity;
     for (const Layer& layer : layers) {
-        if (layer.bad) refuse(grid, *layer.bad, name);
+        if (layer.bad) refuse(grid, *layer.bad, name, first);
         smallest_ = std::min(smallest_, layer.smallest);
     }
     largest_ = *std::max_element(maxima_.begin(), maxima_.end());
@@ -125,15 +126,17 @@ inline float BlockMaxima::largest(const VoxelGrid& grid, const VoxelBox& box) co
     return largest;
 }
 
-inline void BlockMaxima::refuse(const VoxelGrid& grid, std::size_t place, const std::string& name) {
+inline void BlockMaxima::refuse(const VoxelGrid& grid, std::size_t place, const std::string& name,
+                                Vector3i first) {
     const auto channels = static_cast<std::size_t>(grid.channels());
     const std::size_t voxel = place / channels;
     const auto nx = static_cast<std::size_t>(grid.resolution().x);
     const auto ny = static_cast<std::size_t>(grid.resolution().y);
+    const Vector3i at = first + Vector3i(voxel % nx, voxel / nx % ny, voxel / nx / ny);
     throw Error(
         fmt::format("{}: voxel ({}, {}, {}) is {:g}; a volume holds finite numbers of at "
                     "least 0",
-                    name, voxel % nx, voxel / nx % ny, voxel / nx / ny, grid.number(place)));
+                    name, at.x, at.y, at.z, grid.number(place)));
 }
 
 }  // namespace lucerna

@@ -4,9 +4,9 @@
 #include "core/base/error.h"
 #include "core/base/file_bytes.h"
 #include "core/base/parallel.h"
+#include "plugins/volumes/machine_memory.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <bit>
@@ -117,8 +117,7 @@ private:
                             layout(), bytes_each * static_cast<std::uint64_t>(header_.channels),
                             size_ - header_size));
         }
-        const auto pages = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES));
-        if (needed_ / static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) >= pages) fail_memory();
+        if (needed_ >= memory_of_machine()) fail_memory();
     }
 
     void read_numbers(std::span<std::uint8_t> bytes) const {

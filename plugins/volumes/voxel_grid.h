@@ -57,6 +57,10 @@ public:
         }
         return static_cast<float>(bytes_[place]) / 255;
     }
+    /// Of grids of float32.
+    void set(std::size_t place, float number) {
+        std::memcpy(bytes_.data() + place * sizeof number, &number, sizeof number);
+    }
     /// One number: the luminance of three channels.
     float real(Vector3i voxel) const {
         return channels_ == 1 ? number(place(voxel)) : luminance(color(voxel));

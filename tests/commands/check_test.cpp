@@ -5,6 +5,8 @@
 #include "core/image/png.h"
 #include "core/plugin/registry.h"
 #include "tests/commands/process.h"
+#include "tests/measured_writer.h"
+#include "tests/vol_writer.h"
 
 #include <gmock/gmock.h>
 
@@ -28,6 +30,8 @@ protected:
                                                "f 1 2 3\nf 2 4 3\n";
         write_png(*folder / "grey.png",
                   {.width = 2, .height = 1, .pixels = {90, 120, 200, 30, 30, 10}});
+        write_bytes(*folder / "copper.bsdf",
+                    tensor_bytes(measured({.reflectance = {0.9f, 0.6f, 0.5f}}, {})));
     }
     static void TearDownTestSuite() { delete folder; }
 
@@ -55,6 +59,7 @@ const std::map<std::string, std::vector<std::string>> needs = {
      {"--inside",
       "<texture name='normalmap' type='rawconstant'><vector name='value' value='0.7, 0.5, 0.8'/>"
       "</texture><bsdf type='diffuse'/>"}},
+    {"bsdf/measured", {"filename=copper.bsdf"}},
     {"bsdf/twosided", {"bsdf=plastic"}},
     {"emitter/envmap", {"filename=grey.png"}},
     {"emitter/sunsky", {"sun_aperture=20"}},  // or few rays meet the sun by chance
@@ -67,6 +72,7 @@ const std::map<std::string, std::vector<std::string>> needs = {
     {"shape/merge", {}},
     {"shape/obj", {"filename=roof.obj"}},
     {"shape/ply", {}},  // as the next one: a reader of files of another format for the same meshes
+    {"shape/sdfgrid", {}},  // its area is not known
     {"shape/serialized", {}},
     {"shape/shapegroup", {}},
     {"texture/bitmap", {"filename=grey.png"}},

@@ -36,7 +36,7 @@ PICTURE = CAMERA + """<shape type="sphere"><bsdf type="diffuse">
 </bsdf></shape></scene>"""
 
 VOLUME = CAMERA.replace('"path"', '"volpath"') + """<shape type="cube">
-<medium type="heterogeneous" name="interior"><volume type="gridvolume" name="sigma_t">
+<medium type="heterogeneous" name="interior"><volume type="{kind}" name="sigma_t">
 <string name="filename" value="{name}"/></volume></medium></shape></scene>"""
 
 SDF_GRID = CAMERA + """<shape type="sdfgrid"><string name="filename" value="{name}"/></shape>
@@ -44,6 +44,8 @@ SDF_GRID = CAMERA + """<shape type="sdfgrid"><string name="filename" value="{nam
 
 MEASURED = CAMERA + """<shape type="sphere"><bsdf type="measured">
 <string name="filename" value="{name}"/></bsdf></shape></scene>"""
+
+VOLUMES = {"vol_fuzz": "gridvolume", "openvdb_fuzz": "openvdb", "nanovdb_fuzz": "nanovdb"}
 
 SECONDS = 10
 MEMORY = 8 << 30  # address space [bytes]; a damaged file must not ask for more
@@ -62,17 +64,18 @@ def read(folder, name):
 def seeds():
     """(name, bytes, scene or None) of what is to be damaged; no scene: it is one."""
     found = []
-    for folder in ("obj_fuzz", "ply_fuzz", "serialized_fuzz", "image_fuzz", "vol_fuzz",
-                   "measured_fuzz"):
+    for folder in ("obj_fuzz", "ply_fuzz", "serialized_fuzz", "image_fuzz", "measured_fuzz",
+                   *VOLUMES):
         for name in sorted(os.listdir(os.path.join(CORPUS, folder))):
             kind = name.rsplit(".", 1)[1]
             if folder == "image_fuzz":
                 scene = PICTURE.format(name=name)
-            elif folder == "vol_fuzz":
-                scene = VOLUME.format(name=name)
-                found.append((name, read(folder, name), SDF_GRID.format(name=name)))
             elif folder == "measured_fuzz":
                 scene = MEASURED.format(name=name)
+            elif folder in VOLUMES:
+                scene = VOLUME.format(kind=VOLUMES[folder], name=name)
+                if folder == "vol_fuzz":
+                    found.append((name, read(folder, name), SDF_GRID.format(name=name)))
             else:
                 scene = MESH.format(kind=kind, name=name)
             found.append((name, read(folder, name), scene))

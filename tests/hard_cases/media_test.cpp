@@ -127,6 +127,37 @@ TEST(Media, ThreadsDoNotMatter) {
     EXPECT_EQ(one, numbers_of(test.render({.per_pixel = 16, .threads = 7})));
 }
 
+/// The surface that was met last decides: of A from 1 to 3 and B from 2 to 4 there is A from 1 to
+/// 2, B from 2 to 3, where the exterior of A begins, and nothing behind.
+TEST(Boundaries, G12_OfOverlappingMediaTheLastCounts) {
+    const auto absorbing = [](double z, double sigma) {
+        return sphere({0, 0, z}, 1, null_surface + fog("interior", sigma, 0));
+    };
+    const TestCamera middle{.to_world = look({0, 0, 0}, {0, 0, 9}), .width = 2, .height = 2};
+    EXPECT_TRUE(
+        is_constant(TestScene(volpath() + xml(middle) + sky + absorbing(2, 0.5) + absorbing(3, 0.2))
+                        .render({.per_pixel = 1}),
+                    std::exp(-0.5 - 0.2), 1e-4));
+}
+
+/// A closed surface that emits inwards and is the boundary of what is inside.
+TEST(Boundaries, G14_ALightIsSeenThroughItsOwnMedium) {
+    const auto lamp = [](const std::string& medium) {
+        return sphere({0, 0, 0}, 2,
+                      boolean("flip_normals", true) + diffuse(0) + area_light(1) + medium);
+    };
+    const auto seen = [&](double albedo) {
+        const std::string inside = fog("", 0.7, albedo);
+        return volpath() + camera({0, 0, 0}, {1, 0, 0}, inside) +
+               lamp(fog("exterior", 0.7, albedo));
+    };
+    // Rays begin at the near clip plane, which is a thousandth away.
+    EXPECT_TRUE(
+        is_constant(TestScene(seen(0)).render({.per_pixel = 4}), std::exp(-0.7 * 1.999), 1e-4));
+    // In a white medium all light comes from the surface, whatever the way.
+    EXPECT_TRUE(agrees(image_means(seen(1), 256), 1, 0.01));
+}
+
 /// Shapes that are placed by instances have media, too.
 TEST(Media, InInstances) {
     const std::string ball = sphere({0, 0, 0}, 1,

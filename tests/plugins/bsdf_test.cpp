@@ -433,8 +433,10 @@ TEST_F(BSDFs, D10_D15_importance_is_the_adjoint_of_radiance) {
         EXPECT_TRUE(kept(contracts::bsdf_adjoint(*c.bsdf, effort))) << c.xml;
         // A perturbed normal makes surfaces brighter where it faces the light more than they do.
         const bool perturbed = c.xml.find("map") != std::string::npos;
+        // A table of one direction is not interpolated as that of the other.
+        const bool measured = c.xml.find("measured") != std::string::npos;
         const Finding reciprocity = contracts::bsdf_reciprocity(*c.bsdf, effort).finding(0);
-        EXPECT_TRUE(perturbed || reciprocity.keeping != Keeping::unusual) << c.xml;
+        EXPECT_TRUE(perturbed || measured || reciprocity.keeping != Keeping::unusual) << c.xml;
     }
 }
 

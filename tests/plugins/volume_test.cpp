@@ -73,8 +73,11 @@ protected:
 
     /// Every volume with defaults, and some with parameters that are hard.
     std::vector<std::string> all() {
+        const std::filesystem::path corpus = tests_folder() / "fuzz" / "corpus";
         const std::map<std::string, std::string> bodies = {
-            {"gridvolume", word("filename", "noise.vol")}};
+            {"gridvolume", word("filename", "noise.vol")},
+            {"openvdb", word("filename", corpus / "openvdb_fuzz" / "fog.vdb")},
+            {"nanovdb", word("filename", corpus / "nanovdb_fuzz" / "fog.nvdb")}};
         std::vector<std::string> list;
         for (const std::string& name : workshop_.registry().names("volume")) {
             const auto body = bodies.find(name);
