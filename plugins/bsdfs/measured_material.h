@@ -16,7 +16,6 @@
 
 #include "plugins/bsdfs/bilinear_tables.h"
 
-#include <optional>
 #include <span>
 #include <string>
 
