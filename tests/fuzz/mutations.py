@@ -39,7 +39,7 @@ VOLUME = CAMERA.replace('"path"', '"volpath"') + """<shape type="cube">
 <medium type="heterogeneous" name="interior"><volume type="{kind}" name="sigma_t">
 <string name="filename" value="{name}"/></volume></medium></shape></scene>"""
 
-VOLUMES = {"vol_fuzz": "gridvolume", "openvdb_fuzz": "openvdb", "nanovdb_fuzz": "nanovdb"}
+VOLUMES = {"vol_fuzz": "gridvolume", "nanovdb_fuzz": "nanovdb"}
 
 SECONDS = 10
 MEMORY = 8 << 30  # address space [bytes]; a damaged file must not ask for more
