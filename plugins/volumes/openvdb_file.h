@@ -3,7 +3,8 @@
 /// floats, also if they are stored as halves.
 ///
 /// OpenVDB reads the trees. Before, what the file says about lengths and places is checked, since
-/// the library believes it; while it reads, the end of the file ends it.
+/// the library believes it; while it reads, the end of the file ends it. Trees that are damaged in
+/// other ways can crash the library.
 #pragma once
 
 #include "plugins/volumes/machine_memory.h"
@@ -15,7 +16,7 @@
 namespace lucerna {
 
 /// The grid of this name; empty: the only one, or "density". Throws Error, which begins with the
-/// file's name, for what is no such file, is truncated or inconsistent, for grids that are no
+/// file's name, for what is no such file, is truncated, for grids that are no
 /// volumes, as level sets, and for those that take more memory than there is.
 VdbGrid read_openvdb(const std::filesystem::path& path, const std::string& grid);
 

@@ -45,7 +45,7 @@ SDF_GRID = CAMERA + """<shape type="sdfgrid"><string name="filename" value="{nam
 MEASURED = CAMERA + """<shape type="sphere"><bsdf type="measured">
 <string name="filename" value="{name}"/></bsdf></shape></scene>"""
 
-VOLUMES = {"vol_fuzz": "gridvolume", "openvdb_fuzz": "openvdb", "nanovdb_fuzz": "nanovdb"}
+VOLUMES = {"vol_fuzz": "gridvolume", "nanovdb_fuzz": "nanovdb"}
 
 SECONDS = 10
 MEMORY = 8 << 30  # address space [bytes]; a damaged file must not ask for more

@@ -76,7 +76,7 @@ protected:
         const std::filesystem::path corpus = tests_folder() / "fuzz" / "corpus";
         const std::map<std::string, std::string> bodies = {
             {"gridvolume", word("filename", "noise.vol")},
-            {"openvdb", word("filename", corpus / "openvdb_fuzz" / "fog.vdb")},
+            {"openvdb", word("filename", tests_folder() / "vdb" / "fog.vdb")},
             {"nanovdb", word("filename", corpus / "nanovdb_fuzz" / "fog.nvdb")}};
         std::vector<std::string> list;
         for (const std::string& name : workshop_.registry().names("volume")) {

@@ -239,12 +239,5 @@ TEST_F(OpenVdbFile, L15_EveryTruncationIsRefused) {
     expect_truncations_are_refused(read, bytes({fog()}));
 }
 
-TEST_F(OpenVdbFile, L15_FilesThatLieAreReadOrRefused) {
-    expect_damage_is_survived(read, bytes({fog()}));
-    expect_damage_is_survived(
-        read,
-        bytes_of(write({fog()}, openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK)));
-}
-
 }  // namespace
 }  // namespace lucerna
