@@ -82,7 +82,7 @@ void add_hits(Points& points, std::vector<double>& values) {
 }
 
 void add_functions(Points& points, std::vector<double>& values) {
-    constexpr int count = 4096;
+    constexpr int count = 1024;
     for (int i = 0; i < count; ++i) {
         const Vector3d x(8.0f * points.next());
         values.insert(values.end(), {std::sin(x.x), std::cos(x.x), std::exp(-x.y), std::log(x.y),
