@@ -210,7 +210,8 @@ inline std::optional<SDFGrid::Crossing> SDFGrid::first_crossing(const Line& line
     }
     if (!(t <= end)) return {};
     Vector3i voxel = glm::clamp(Vector3i(glm::floor(line.o + t * line.d)), first_, last_);
-    std::optional<double> value;  // at t, if it is known
+    double value = 0;  // at t, if it is known
+    bool known = false;
     for (;;) {
         int axis = 0;
         double leaves = never;
@@ -226,12 +227,11 @@ inline std::optional<SDFGrid::Crossing> SDFGrid::first_crossing(const Line& line
         if (crossed_[index(voxel)]) {
             const double length = std::max(std::min(leaves, end) - t, 0.0);
             const Cubic cubic = along(voxel, line, t);
-            const auto root = cubic.first_root(value.value_or(cubic.c[0]), length);
+            const auto root = cubic.first_root(known ? value : cubic.c[0], length);
             if (root) return Crossing{t + *root, voxel};
             value = cubic.at(length);
-        } else {
-            value.reset();
         }
+        known = crossed_[index(voxel)];
         voxel[axis] += line.d[axis] > 0 ? 1 : -1;
         if (!(leaves < end) || voxel[axis] < first_[axis] || voxel[axis] > last_[axis]) return {};
         t = std::max(t, leaves);
