@@ -19,7 +19,7 @@
 /// of a point up to half a cell beside x, chosen by a hash of x, so that borders of cells do not
 /// show.
 #include "core/interfaces/light_sampler.h"
-#include "plugins/light_samplers/cell_grid.h"
+#include "plugins/light_samplers/cell_points.h"
 #include "plugins/light_samplers/fine_bits.h"
 #include "plugins/light_samplers/light_cells.h"
 #include "plugins/light_samplers/pilot_paths.h"
@@ -172,59 +172,6 @@ void CacheLightSampler::prepare(const Scene& scene) {
     }
 }
 
-/// Which pilot points lie in which cell.
-struct CellPoints {
-    struct Member {
-        std::uint64_t key;
-        std::uint32_t point;
-        bool operator<(const Member& o) const {
-            return key != o.key ? key < o.key : point < o.point;
-        }
-    };
-    std::vector<Member> members;  ///< sorted
-    std::vector<std::uint64_t> keys;
-    std::vector<std::size_t> starts, ends;
-
-    CellPoints(const CellGrid& grid, const std::vector<Receiver>& points) {
-        for (std::uint32_t i = 0; i < points.size(); ++i) {
-            members.push_back({grid.key(points[i].p, points[i]), i});
-        }
-        std::sort(members.begin(), members.end());
-        for (std::size_t i = 0, end = 0; i < members.size(); i = end) {
-            while (end < members.size() && members[end].key == members[i].key) ++end;
-            if (end - i < least_points) continue;
-            keys.push_back(members[i].key);
-            starts.push_back(i);
-            ends.push_back(end);
-        }
-    }
-    /// Some of the points of a cell: half of them as they come, half far from those, so that a
-    /// surface which few paths met is seen, too.
-    std::vector<Receiver> choose(const std::vector<Receiver>& points, std::size_t cell) const {
-        constexpr std::size_t most_points = 16;
-        const std::size_t size = ends[cell] - starts[cell], used = std::min(size, most_points);
-        const auto member = [&](std::size_t i) -> const Receiver& {
-            return points[members[starts[cell] + i].point];
-        };
-        std::vector<Receiver> chosen;
-        std::vector<float> distance2(size, infinity);  // of each to the nearest one that is chosen
-        const auto take = [&](std::size_t taken) {
-            chosen.push_back(member(taken));
-            for (std::size_t i = 0; i < size; ++i) {
-                const Vector3 d = member(i).p - chosen.back().p;
-                distance2[i] = std::min(distance2[i], glm::dot(d, d));
-            }
-        };
-        const std::size_t even = (used + 1) / 2;
-        for (std::size_t k = 0; k < even; ++k) take(k * size / even);
-        while (chosen.size() < used) {
-            const auto farthest = std::max_element(distance2.begin(), distance2.end());
-            take(static_cast<std::size_t>(farthest - distance2.begin()));
-        }
-        return chosen;
-    }
-};
-
 void CacheLightSampler::make_cells(const Scene& scene) {
     const Workers workers(scene.threads());
     const std::vector<Receiver> points = pilot_receivers(scene, pilots_.within(scene), workers);
@@ -233,11 +180,11 @@ void CacheLightSampler::make_cells(const Scene& scene) {
     // What is seen of lights at infinity changes less from place to place.
     float size = lights_.finite > 0 ? cell_size_ : 4 * cell_size_;
     grid_ = CellGrid(eye, scene.bounds(), size);
-    CellPoints cells(grid_, points);
+    CellPoints cells(grid_, points, least_points);
     while (cells.keys.size() > most_cells_ && size < 1e4f) {
         size *= 1.25f;
         grid_ = CellGrid(eye, scene.bounds(), size);
-        cells = CellPoints(grid_, points);
+        cells = CellPoints(grid_, points, least_points);
     }
     grid_.index(cells.keys);
     cells_.resize(cells.keys.size());

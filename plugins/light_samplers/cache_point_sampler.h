@@ -22,8 +22,7 @@
 #include "plugins/light_samplers/cache_points.h"
 #include "plugins/light_samplers/fine_bits.h"
 #include "plugins/light_samplers/point_kdtree.h"
-
-#include <atomic>
+#include "plugins/light_samplers/point_memory.h"
 
 namespace lucerna {
 
@@ -48,10 +47,8 @@ public:
     }
 
 private:
-    /// How draws are shared out at a point, as a thread last found it.
+    /// How draws are shared out at a point.
     struct MixtureWeights {
-        std::uint64_t owner = 0;  ///< the sampler
-        Receiver at;
         const CachePoint* point = nullptr;  ///< null: no list
         /// For each list, what a unit of its weight is worth.
         std::array<float, CachePoint::axes + 1> facing;
@@ -62,9 +59,15 @@ private:
         alignas(32) float weights[2 * CachePoint::most_near];
     };
 
-    const MixtureWeights& shares_at(const Receiver& at) const;
+    const MixtureWeights& shares_at(const Receiver& at) const {
+        return memory_.at(at, [this](const Receiver& place, MixtureWeights& shares) {
+            share_out(place, shares);
+        });
+    }
+    void share_out(const Receiver& at, MixtureWeights& shares) const;
     float weight_in_lists(const MixtureWeights& shares, std::uint32_t light) const;
-    float pmf_in_shares(const MixtureWeights& shares, std::uint32_t light) const;
+    float pmf_in_shares(const MixtureWeights& shares, const Receiver& at,
+                        std::uint32_t light) const;
     std::optional<std::uint32_t> draw_from_lists(const MixtureWeights& shares, double place) const;
     float infinite_pmf(std::uint32_t i) const {
         return static_cast<float>(lights_.infinite_power.pmf(i));
@@ -74,7 +77,7 @@ private:
     CachePointOptions options_;
     Lookup lookup_;
 
-    std::uint64_t id_ = 0;
+    PointMemory<MixtureWeights, 1> memory_;
     SceneLights lights_;
     std::vector<CachePoint> points_;
 };
@@ -116,8 +119,7 @@ CachePointSampler<Lookup>::CachePointSampler(const Params& params) : lookup_(par
 
 template <typename Lookup>
 void CachePointSampler<Lookup>::prepare(const Scene& scene) {
-    static std::atomic<std::uint64_t> count{0};
-    id_ = ++count;
+    memory_.clear();
     lights_ = SceneLights(scene, few_lights);
     points_.clear();
     if (lights_.finite == 0 || lights_.count() == 1) return;  // nothing to choose from
@@ -140,15 +142,11 @@ void CachePointSampler<Lookup>::prepare(const Scene& scene) {
 }
 
 template <typename Lookup>
-auto CachePointSampler<Lookup>::shares_at(const Receiver& at) const -> const MixtureWeights& {
-    thread_local MixtureWeights shares;
-    if (shares.owner == id_ && is_same_place(shares.at, at)) return shares;
-    shares.owner = id_;
-    shares.at = at;
+void CachePointSampler<Lookup>::share_out(const Receiver& at, MixtureWeights& shares) const {
     shares.point = nullptr;
     shares.infinite = lights_.infinite_share();
     shares.tree = options_.has_tail ? 1 - shares.infinite : 0;
-    if (points_.empty()) return shares;
+    if (points_.empty()) return;
     const CachePoint& point = points_[lookup_.find(at)];
     const ReceiverRegion lit(at);
     point.near.weigh(lit, shares.weights);
@@ -162,12 +160,11 @@ auto CachePointSampler<Lookup>::shares_at(const Receiver& at) const -> const Mix
         shares.facing[k] = used ? std::max(along, 0.0f) : 0.0f;
         total += shares.facing[k] * point.lists[k].total();
     }
-    if (!(total > 0)) return shares;
+    if (!(total > 0)) return;
     shares.point = &point;
     shares.tree = point.tail;
     shares.scale = (1 - point.tail) / total;
     shares.infinite = point.infinite * shares.scale;
-    return shares;
 }
 
 template <typename Lookup>
@@ -184,12 +181,11 @@ float CachePointSampler<Lookup>::weight_in_lists(const MixtureWeights& shares,
 
 /// Probability of a light that is somewhere, by lists and tree together.
 template <typename Lookup>
-float CachePointSampler<Lookup>::pmf_in_shares(const MixtureWeights& shares,
+float CachePointSampler<Lookup>::pmf_in_shares(const MixtureWeights& shares, const Receiver& at,
                                                std::uint32_t light) const {
     const float listed = shares.point ? shares.scale * weight_in_lists(shares, light) : 0.0f;
-    return shares.tree > 0
-               ? listed + shares.tree * lights_.tree.pmf(ReceiverRegion(shares.at), light)
-               : listed;
+    return shares.tree > 0 ? listed + shares.tree * lights_.tree.pmf(ReceiverRegion(at), light)
+                           : listed;
 }
 
 /// The light at a place in [0, total weight).
@@ -235,13 +231,13 @@ std::optional<LightChoice> CachePointSampler<Lookup>::sample(const Receiver& at,
         const auto light =
             draw_from_lists(shares, (place - infinite) / static_cast<double>(shares.scale));
         if (!light) return {};
-        return LightChoice{*light, scale * pmf_in_shares(shares, *light)};
+        return LightChoice{*light, scale * pmf_in_shares(shares, at, *light)};
     }
     if (!(tree > 0)) return {};
     const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
     const auto choice = lights_.tree.sample(ReceiverRegion(at), rest);
     if (!choice) return {};
-    return LightChoice{choice->light, scale * pmf_in_shares(shares, choice->light)};
+    return LightChoice{choice->light, scale * pmf_in_shares(shares, at, choice->light)};
 }
 
 template <typename Lookup>
@@ -254,7 +250,7 @@ float CachePointSampler<Lookup>::pmf(const Receiver& at, std::uint32_t light) co
         const auto i = static_cast<std::uint32_t>(found - lights_.infinite.begin());
         return scale * (shares.infinite * infinite_pmf(i));
     }
-    return scale * pmf_in_shares(shares, light);
+    return scale * pmf_in_shares(shares, at, light);
 }
 
 }  // namespace lucerna

@@ -7,17 +7,14 @@
 #include "core/interfaces/light_sampler.h"
 #include "plugins/light_samplers/fine_bits.h"
 #include "plugins/light_samplers/light_list.h"
-
-#include <atomic>
+#include "plugins/light_samplers/point_memory.h"
 
 namespace lucerna {
 
 namespace {
 
-/// Contributions at the last point of a thread: what is drawn there is often asked for again.
+/// Contributions at a point.
 struct PointWeights {
-    std::uint64_t owner = 0;
-    Receiver at;
     std::vector<float> weights;     ///< eight for each block
     std::vector<double> sum_until;  ///< of each block, including it
 
@@ -46,7 +43,7 @@ private:
     }
 
     std::uint32_t draws_;
-    std::uint64_t id_ = 0;
+    PointMemory<PointWeights, 1> memory_;
     std::vector<LightLanes> blocks_;
     std::vector<float> infinite_;         ///< contributions of the lights at infinity
     std::vector<std::uint32_t> lights_;   ///< of each lane; first those at infinity
@@ -54,8 +51,7 @@ private:
 };
 
 void ExhaustiveLightSampler::prepare(const Scene& scene) {
-    static std::atomic<std::uint64_t> count{0};
-    id_ = ++count;
+    memory_.clear();
     const LightList all(scene);
     lights_ = all.infinite;
     infinite_.clear();
@@ -76,22 +72,21 @@ void ExhaustiveLightSampler::prepare(const Scene& scene) {
 }
 
 const PointWeights& ExhaustiveLightSampler::weights(const Receiver& at) const {
-    thread_local PointWeights point;
-    if (point.owner == id_ && is_same_place(point.at, at)) return point;
-    point.owner = id_;
-    point.at = at;
-    point.weights = infinite_;
-    point.weights.resize(lights_.size());
-    point.sum_until.clear();
-    const ReceiverRegion lit(at);
-    double sum = 0;
-    for (std::size_t i = 0; i < lights_.size(); i += 8) {
-        float* const block = point.weights.data() + i;
-        if (i >= infinite_.size()) contributions(blocks_[(i - infinite_.size()) / 8], lit, block);
-        for (std::size_t k = 0; k < 8; ++k) sum += static_cast<double>(block[k]);
-        point.sum_until.push_back(sum);
-    }
-    return point;
+    return memory_.at(at, [&](const Receiver& place, PointWeights& point) {
+        point.weights = infinite_;
+        point.weights.resize(lights_.size());
+        point.sum_until.clear();
+        const ReceiverRegion lit(place);
+        double sum = 0;
+        for (std::size_t i = 0; i < lights_.size(); i += 8) {
+            float* const block = point.weights.data() + i;
+            if (i >= infinite_.size()) {
+                contributions(blocks_[(i - infinite_.size()) / 8], lit, block);
+            }
+            for (std::size_t k = 0; k < 8; ++k) sum += static_cast<double>(block[k]);
+            point.sum_until.push_back(sum);
+        }
+    });
 }
 
 std::optional<LightChoice> ExhaustiveLightSampler::sample(const Receiver& at, std::uint32_t draw,

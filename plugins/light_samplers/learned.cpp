@@ -9,7 +9,7 @@
 /// paper learns from the rays of the render itself, and refines regions as it goes on; here rays
 /// are traced before, so that an image does not depend on the order of its samples. C is that of
 /// light_cut.h. Lights at infinity share n∞ / (n∞ + 1) of the draws, as in `bvh`.
-#include "plugins/light_samplers/cell_grid.h"
+#include "plugins/light_samplers/cell_points.h"
 #include "plugins/light_samplers/light_groups.h"
 #include "plugins/light_samplers/pilot_paths.h"
 #include "plugins/light_samplers/point_memory.h"
@@ -106,23 +106,13 @@ void LearnedLightSampler::prepare(const Scene& scene) {
     const Workers workers(scene.threads());
     const std::vector<Receiver> points = pilot_receivers(scene, pilots_.within(scene), workers);
     grid_ = CellGrid(eye_of(scene), scene.bounds(), cell_size_);
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> members;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-        members.emplace_back(grid_.key(points[i].p, points[i]), i);
-    }
-    std::sort(members.begin(), members.end());
-    std::vector<std::uint64_t> keys;
-    std::vector<std::vector<Receiver>> inside;
-    for (const auto& [key, point] : members) {
-        if (keys.empty() || keys.back() != key) keys.push_back(key), inside.emplace_back();
-        inside.back().push_back(points[point]);
-    }
-    grid_.index(keys);
-    regions_.resize(keys.size());
-    workers.run(static_cast<std::int64_t>(keys.size()), [&](std::int64_t index) {
+    const CellPoints cells(grid_, points, 1);
+    grid_.index(cells.keys);
+    regions_.resize(cells.keys.size());
+    workers.run(static_cast<std::int64_t>(regions_.size()), [&](std::int64_t index) {
         const auto i = static_cast<std::size_t>(index);
-        const RegionStudy study(scene, tree_, inside[i]);
-        regions_[i] = study.learn(clusters_, rays_, keys[i]);
+        const RegionStudy study(scene, tree_, cells.inside(points, i));
+        regions_[i] = study.learn(clusters_, rays_, cells.keys[i]);
     });
 }
 

@@ -10,7 +10,8 @@
 
 namespace lucerna {
 
-template <typename T>
+/// `size` is how many points: large where an integrator asks about many in turn.
+template <typename T, std::size_t size = 1024>
 class PointMemory {
 public:
     /// Forgets what it knows: before it is used for another scene.
@@ -34,7 +35,6 @@ public:
     }
 
 private:
-    static constexpr std::size_t size = 1024;  ///< more than an integrator asks about in turn
     struct Entry {
         std::uint64_t owner = 0;
         Receiver at;
