@@ -75,27 +75,16 @@ std::vector<Attempt> JobFolder::read_record(const std::string& name) const {
     return attempts;
 }
 
-std::optional<std::pair<std::string, std::string>> JobFolder::slurm_jobs() const {
+std::optional<SlurmJobs> JobFolder::slurm_jobs() const {
     std::ifstream file(path_ / "slurm_jobs.txt");
-    std::optional<std::pair<std::string, std::string>> last;
-    for (std::string parts, merge; file >> parts >> merge;) last.emplace(parts, merge);
+    std::optional<SlurmJobs> last;
+    for (SlurmJobs jobs; file >> jobs.parts >> jobs.merge;) last = jobs;
     return last;
 }
 
-std::optional<std::string> JobFolder::slurm_job() const {
-    const auto jobs = slurm_jobs();
-    if (!jobs) return {};
-    return jobs->first;
-}
-
-std::optional<std::string> JobFolder::slurm_merge_job() const {
-    const auto jobs = slurm_jobs();
-    if (!jobs) return {};
-    return jobs->second;
-}
-
-void JobFolder::add_slurm_job(const std::string& parts, const std::string& merge) const {
-    std::ofstream(path_ / "slurm_jobs.txt", std::ios::app) << parts << ' ' << merge << '\n';
+void JobFolder::add_slurm_jobs(const SlurmJobs& jobs) const {
+    std::ofstream(path_ / "slurm_jobs.txt", std::ios::app)
+        << jobs.parts << ' ' << jobs.merge << '\n';
 }
 
 }  // namespace lucerna

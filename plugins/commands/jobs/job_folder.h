@@ -15,7 +15,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace lucerna {
@@ -26,6 +25,11 @@ struct Attempt {
     std::string host;
     std::optional<std::int64_t> end = {};  ///< empty while it runs, or if its node failed
     int code = 0;                          ///< exit code
+};
+
+/// Slurm's numbers of the array of parts, "-" if there was none to run, and of the merge.
+struct SlurmJobs {
+    std::string parts, merge;
 };
 
 class JobFolder {
@@ -55,15 +59,12 @@ public:
     std::vector<Attempt> attempts(int part) const;
     std::vector<Attempt> merge_attempts() const;
 
-    /// The last numbers that Slurm gave to the array of parts, if it had any to run, and the merge.
-    std::optional<std::string> slurm_job() const;
-    std::optional<std::string> slurm_merge_job() const;
-    void add_slurm_job(const std::string& parts, const std::string& merge) const;
+    /// The last numbers that Slurm gave.
+    std::optional<SlurmJobs> slurm_jobs() const;
+    void add_slurm_jobs(const SlurmJobs& jobs) const;
 
 private:
     std::vector<Attempt> read_record(const std::string& name) const;
-    /// The last line of slurm_jobs.txt.
-    std::optional<std::pair<std::string, std::string>> slurm_jobs() const;
 
     std::filesystem::path path_;
     std::string name_;

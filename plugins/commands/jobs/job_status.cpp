@@ -54,16 +54,15 @@ PartStatus status_of(const std::vector<Attempt>& attempts, bool done, bool in_sl
 
 PartStatus part_status(const JobFolder& job, int part, std::int64_t now, const QueueStates& queue) {
     const auto queued = queue.parts.find(part);
-    return status_of(job.attempts(part), job.is_done(part), job.slurm_job().has_value(),
+    return status_of(job.attempts(part), job.is_done(part), queue.submitted,
                      queued == queue.parts.end() ? "" : queued->second, now);
 }
 
 /// The merge of the parts that are there: an earlier one does not count.
 PartStatus merge_status(const JobFolder& job, std::int64_t now, const QueueStates& queue) {
-    if (!job.missing_parts().empty()) return {};
     const std::vector<Attempt> attempts = job.merge_attempts();
     const bool done = !attempts.empty() && attempts.back().end && attempts.back().code == 0;
-    return status_of(attempts, done, job.slurm_merge_job().has_value(), queue.merge, now);
+    return status_of(attempts, done, queue.submitted, queue.merge, now);
 }
 
 std::string merge_text(const JobFolder& job, const PartStatus& merge) {
@@ -103,7 +102,6 @@ const char* name(PartState state) {
 
 JobStatus job_status(const JobFolder& job, std::int64_t now, const QueueStates& queue) {
     JobStatus status;
-    status.merge = merge_status(job, now, queue);
     double done_seconds = 0, left = 0;
     for (int part = 1; part <= job.part_count(); ++part) {
         status.parts.push_back(part_status(job, part, now, queue));
@@ -112,6 +110,7 @@ JobStatus job_status(const JobFolder& job, std::int64_t now, const QueueStates& 
         }
     }
     const int done = status.count(PartState::done), running = status.count(PartState::running);
+    if (done == job.part_count()) status.merge = merge_status(job, now, queue);
     if (done == 0 || running == 0) return status;
     // The others take as long as those that are done; as many as now run at the same time.
     const double mean = done_seconds / done;

@@ -55,19 +55,21 @@ std::string squeue(const JobFolder& job, const std::string& number, const std::s
 
 QueueStates slurm_states(const JobFolder& job) {
     QueueStates states;
-    const std::optional<std::string> parts = job.slurm_job(), merge = job.slurm_merge_job();
-    if (!parts || !merge) return states;
-    std::istringstream part_lines(squeue(job, *parts, "%K %T"));
+    const std::optional<SlurmJobs> jobs = job.slurm_jobs();
+    if (!jobs) return states;
+    states.submitted = true;
+    std::istringstream part_lines(squeue(job, jobs->parts, "%K %T"));
     std::string state;
     for (int part = 0; part_lines >> part >> state;) states.parts[part] = state;
-    std::istringstream(squeue(job, *merge, "%T")) >> states.merge;
+    std::istringstream(squeue(job, jobs->merge, "%T")) >> states.merge;
     return states;
 }
 
 void submit(const JobFolder& job) {
     const QueueStates queue = slurm_states(job);
     if (!queue.empty()) {
-        const std::string number = *(queue.parts.empty() ? job.slurm_merge_job() : job.slurm_job());
+        const SlurmJobs jobs = *job.slurm_jobs();
+        const std::string& number = queue.parts.empty() ? jobs.merge : jobs.parts;
         throw Error(
             fmt::format("job {} of {} is still in Slurm's queue; cancel it with `scancel "
                         "{}` to submit the rest anew",
@@ -80,7 +82,7 @@ void submit(const JobFolder& job) {
         parts = sbatch(job, {"--array=" + ranges_text(missing), "part.sh"});
         merge.insert(merge.begin(), "--dependency=afterok:" + parts);
     }
-    job.add_slurm_job(parts, sbatch(job, merge));
+    job.add_slurm_jobs({.parts = parts, .merge = sbatch(job, merge)});
 }
 
 }  // namespace lucerna

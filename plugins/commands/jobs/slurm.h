@@ -12,6 +12,7 @@ namespace lucerna {
 /// States in Slurm's queue, in Slurm's words ("RUNNING", "PENDING"). What is not in the queue has
 /// none; nothing has one where there is no Slurm.
 struct QueueStates {
+    bool submitted = false;            ///< the job was given to Slurm
     std::map<int, std::string> parts;  ///< by number
     std::string merge;
 
