@@ -90,15 +90,20 @@ void add_functions(Points& points, std::vector<double>& values) {
     }
 }
 
-}  // namespace
-
-std::uint64_t processor_rounding() {
+std::uint64_t compute() {
     Points points;
     std::vector<double> values;
     add_hits(points, values);
     add_functions(points, values);
     return hash_of_bytes(
         {reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(double)});
+}
+
+}  // namespace
+
+std::uint64_t processor_rounding() {
+    static const std::uint64_t rounding = compute();
+    return rounding;
 }
 
 }  // namespace lucerna
