@@ -88,7 +88,7 @@ inline TensorFields measured(const MicrofacetMaterial& material, const Measuring
     };
     const auto theta_at = [](double u) { return 0.5 * std::numbers::pi * u * u; };
     const auto phi_at = [](double u) { return (2 * u - 1) * std::numbers::pi; };
-    /// Of a function of the unit square.
+    /// The values of a function at the nodes of the unit square.
     const auto table = [](int side, const std::function<double(double, double)>& f) {
         std::vector<float> numbers;
         for (int i = 0; i < side * side; ++i) {

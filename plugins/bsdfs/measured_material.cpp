@@ -13,7 +13,7 @@ namespace lucerna {
 namespace {
 
 constexpr double pi_d = std::numbers::pi;
-/// Of θ in the square: nearer to the normal, a direction of floats has no angle.
+/// The smallest u of θ in the square: nearer to the normal, a direction of floats has no angle.
 constexpr double least_u = 0x1p-13;
 
 double theta_of(Vector3d w) { return std::atan2(std::hypot(w.x, w.y), w.z); }

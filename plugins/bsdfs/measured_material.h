@@ -31,9 +31,9 @@ public:
         double pdf = 0;
     };
 
-    /// Of a file in memory; `name` begins its messages. Throws Error for what is no such file, or
-    /// whose fields do not fit together, are not finite, or are negative where that means nothing.
-    /// Negative colours are taken as 0: noise of a measurement, or outside of Rec.709.
+    /// Reads a file in memory; `name` begins its messages. Throws Error for what is no such file,
+    /// or whose fields do not fit together, are not finite, or are negative where that means
+    /// nothing. Negative colours are taken as 0: noise of a measurement, or outside of Rec.709.
     MeasuredMaterial(std::span<const std::uint8_t> bytes, const std::string& name);
 
     /// Local directions, both above the surface. Zero where `sample` cannot go.

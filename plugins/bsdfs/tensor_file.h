@@ -35,7 +35,7 @@ struct TensorField {
 
     Type type{};
     std::vector<std::uint64_t> shape;
-    std::span<const std::uint8_t> bytes;  ///< of all numbers
+    std::span<const std::uint8_t> bytes;  ///< all numbers
 };
 
 /// The fields of a file in memory, which must outlive them.

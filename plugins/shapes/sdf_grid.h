@@ -79,7 +79,7 @@ public:
     };
 
     SDFGrid() = default;
-    /// Of one channel, finite numbers, and at least two nodes along each axis.
+    /// The grid has one channel, finite numbers, and at least two nodes along each axis.
     explicit SDFGrid(VoxelGrid grid) : grid_(std::move(grid)), voxels_(grid_.resolution() - 1) {
         crossed_.resize(index({0, 0, voxels_.z}));
         for (int z = 0; z < voxels_.z; ++z) {
@@ -100,11 +100,11 @@ public:
     /// The first point of the surface with t from `start` on.
     std::optional<Crossing> first_crossing(const Line& line, double start) const;
 
-    /// Of the interpolant of a voxel.
+    /// The gradient of the interpolant of a voxel.
     Vector3d gradient(Vector3i voxel, Vector3d p) const;
-    /// Of a smoother one: the differences of values half a voxel before and behind, which blends
-    /// the gradients of the voxels around (Hansson Söderlund et al. 2022, section 4, without the
-    /// normalization of each).
+    /// The gradient of a smoother one: the differences of values half a voxel before and behind,
+    /// which blends the gradients of the voxels around (Hansson Söderlund et al. 2022, section 4,
+    /// without the normalization of each).
     Vector3d smooth_gradient(Vector3d p) const {
         Vector3d result;
         for (int k = 0; k < 3; ++k) {

@@ -57,7 +57,7 @@ public:
         }
         return static_cast<float>(bytes_[place]) / 255;
     }
-    /// Of grids of float32.
+    /// Changes a number of a grid of float32.
     void set(std::size_t place, float number) {
         std::memcpy(bytes_.data() + place * sizeof number, &number, sizeof number);
     }

@@ -46,7 +46,7 @@ private:
     std::uint64_t all_samples_ = 0;
     SampleRange range_;
     Display display_;
-    double begin_;                       ///< of rendering, also before a restart [s since 1970]
+    double begin_;                       ///< when rendering began, before restarts [s since 1970]
     std::set<std::uint64_t> roundings_;  ///< before a restart
     double last_checkpoint_ = 0;
 };

@@ -75,7 +75,7 @@ private:
     PicturePaths paths_;
     Session session_;
     Display display_;
-    std::set<std::uint64_t> roundings_;  ///< of the samples before this run
+    std::set<std::uint64_t> roundings_;  ///< processors of the samples before this run
     double last_checkpoint_ = 0;
 };
 
