@@ -243,9 +243,9 @@ void send_grid(const VdbBytes& file, const GridEntry& entry, const GridEntry* pa
     check_class(what, openvdb::GridBase::gridClassToString(grid->getGridClass()));
     const openvdb::CoordBBox active = grid->evalActiveVoxelBoundingBox();
     Answer answer;
-    for (int k = 0; k < 3; ++k) {
-        answer.min[static_cast<std::size_t>(k)] = active.min()[k];
-        answer.max[static_cast<std::size_t>(k)] = active.max()[k];
+    for (std::size_t k = 0; k < 3; ++k) {
+        answer.min[k] = active.min()[k];
+        answer.max[k] = active.max()[k];
     }
     // OpenVDB multiplies rows: its matrix is the transpose, as GLM's columns are.
     const openvdb::Mat4d rows = grid->transform().baseMap()->getAffineMap()->getMat4();

@@ -16,8 +16,8 @@
 namespace lucerna {
 
 /// The grid of this name; empty: the only one, or "density". Throws Error, which begins with the
-/// file's name, for what is no such file, is truncated or damaged, for grids that are no volumes, as
-/// level sets, and for those that take more memory than there is.
+/// file's name, for what is no such file, is truncated or damaged, for grids that are no volumes,
+/// as level sets, and for those that take more memory than there is.
 VdbGrid read_openvdb(const std::filesystem::path& path, const std::string& grid);
 
 /// The same of bytes in memory; `name` begins its messages, `memory` is what there is [bytes].
