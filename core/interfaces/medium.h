@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What fills space and scatters, absorbs or emits light: fog, smoke, glass.
 ///
-/// Coefficients are per unit of length of the scene [1/m] and for each channel. A medium is either
-/// the same everywhere, or varies below majorants (core/math/majorant_grid.h): numbers that no
-/// channel's extinction exceeds in a cell of a coarse grid. Outside of that grid it is empty.
+/// Coefficients are per unit of length of the scene [1/m] and for each channel. Those of oriented
+/// particles (phase.h) depend on the direction of light. A medium is either the same everywhere, or
+/// varies below majorants (core/math/majorant_grid.h): numbers that no channel's extinction exceeds
+/// in a cell of a coarse grid. Outside of that grid it is empty.
 #pragma once
 
 #include "core/interfaces/phase.h"
@@ -25,8 +26,13 @@ public:
     explicit Medium(const Params& params);
     ~Medium() override;
 
-    /// At a point of the world, inside of the majorants' grid if there is one.
-    virtual MediumPoint at(Vector3 p) const = 0;
+    /// At a point of the world, inside of the majorants' grid if there is one, for light along the
+    /// unit vector `w`, either way.
+    MediumPoint at(Vector3 p, Vector3 w) const {
+        MediumPoint point = coefficients(p);
+        if (oriented_) turn(point, p, w);
+        return point;
+    }
     /// Null if the medium is the same at every point.
     virtual const MajorantGrid* majorants() const { return nullptr; }
     /// Whether it emits anywhere.
@@ -35,10 +41,17 @@ public:
     bool homogeneous() const { return majorants() == nullptr; }
     const Phase& phase() const { return *phase_; }
     /// False if it is known to scatter nowhere.
-    bool may_scatter() const { return !homogeneous() || at(Vector3(0)).sigma_s != Color(0); }
+    bool may_scatter() const {
+        return !homogeneous() || coefficients(Vector3(0)).sigma_s != Color(0);
+    }
 
 private:
+    /// Of particles whose projected area is 1.
+    virtual MediumPoint coefficients(Vector3 p) const = 0;
+    void turn(MediumPoint& point, Vector3 p, Vector3 w) const;
+
     const Phase* phase_;
+    bool oriented_;
 };
 
 /// The media on both sides of a surface; null is empty space. A path that crosses a surface with

@@ -32,7 +32,7 @@ double fine(float u, Rng& rng) {
 
 bool collide_homogeneous(const MediumSegment& segment, bool may_scatter, Vector2 u, Rng& rng,
                          MediumPath& path) {
-    const MediumPoint m = segment.medium->at(segment.o);
+    const MediumPoint m = segment.medium->at(segment.o, segment.d);
     if (segment.medium->emits()) {
         path.radiance += path.beta * emitted(m.emission, m.sigma_t, segment.length);
     }
@@ -68,7 +68,7 @@ void track(const MediumSegment& segment, Rng& rng, const Visit& visit) {
         while (true) {
             t += sample_distance(rng.next_double(), part->majorant);
             if (!(t < part->end)) break;
-            if (visit(t, medium.at(segment.o + t * segment.d), part->majorant)) return;
+            if (visit(t, medium.at(segment.o + t * segment.d, segment.d), part->majorant)) return;
         }
     }
 }
@@ -113,7 +113,8 @@ bool attenuate(const MediumPoint& m, float majorant, Rng& rng, Color& result) {
 Color transmittance(const MediumSegment& segment, Rng& rng) {
     if (!segment.medium) return Color(1);
     const Medium& medium = *segment.medium;
-    if (medium.homogeneous()) return attenuation(medium.at(segment.o).sigma_t, segment.length);
+    if (medium.homogeneous())
+        return attenuation(medium.at(segment.o, segment.d).sigma_t, segment.length);
     Color result(1);
     track(segment, rng, [&](float, const MediumPoint& m, float majorant) {
         return attenuate(m, majorant, rng, result);
@@ -124,7 +125,7 @@ Color transmittance(const MediumSegment& segment, Rng& rng) {
 TransmittanceAlong::TransmittanceAlong(const MediumSegment& segment, Rng& rng)
     : homogeneous_(segment.medium->homogeneous()) {
     if (homogeneous_) {
-        sigma_t_ = segment.medium->at(segment.o).sigma_t;
+        sigma_t_ = segment.medium->at(segment.o, segment.d).sigma_t;
         return;
     }
     steps_.push_back({0, Color(1)});

@@ -21,7 +21,7 @@ class LineScattering {
 public:
     /// For a path of throughput `beta` that enters the segment; its end may be at infinity.
     LineScattering(const MediumSegment& segment, Color beta)
-        : segment_(segment), point_(segment.medium->at(segment.o)), beta_(beta) {
+        : segment_(segment), point_(segment.medium->at(segment.o, segment.d)), beta_(beta) {
         const float total = beta.x + beta.y + beta.z;
         rate_ =
             (beta.x * point_.sigma_t.x + beta.y * point_.sigma_t.y + beta.z * point_.sigma_t.z) /

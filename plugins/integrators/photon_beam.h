@@ -3,7 +3,7 @@
 /// Volumetric Photon Mapping"): light that a medium scatters towards the origin of a ray, from all
 /// photons in whose sphere the ray is.
 ///
-///     L(o, −d) ≈ Σ T(t_i) f(−d, w_i) Φ_i K(h_i / r_i) / r_i²
+///     L(o, −d) ≈ Σ T(t_i) f(w_i, −d) Φ_i K(h_i / r_i) / r_i²
 ///
 /// t_i is the place on the ray o + t d that is nearest to photon i, h_i their distance, T the
 /// transmittance, f the phase function, r_i the radius of the photon and K a kernel on the unit
@@ -173,7 +173,7 @@ inline Color beam_radiance(const BeamMap& map, const PhotonLookup& lookup,
     map.search(segment.o, segment.d, segment.length,
                [&](const Photon& photon, float t, float distance2, float radius2) {
                    if (photon.depth() > lookup.max_depth) return;
-                   const float f = phase.evaluate(photon.p(), -segment.d, photon.direction()).f;
+                   const float f = phase.evaluate(photon.p(), photon.direction(), -segment.d).f;
                    const float kernel = photon_kernel(lookup.filter, distance2 / radius2);
                    sum += arriving(t) * photon.power() * (f * kernel / radius2);
                });

@@ -13,14 +13,20 @@ public:
             throw Error(
                 "a homogeneous medium takes volumes of one value; \"heterogeneous\" varies");
         }
+        if (!phase().uniform()) {
+            throw Error(
+                "the phase function of a homogeneous medium must be the same everywhere, since "
+                "extinction depends on it; \"heterogeneous\" varies");
+        }
         emits_ = coefficients.emits();
         point_ = coefficients.at(Vector3(0));
     }
 
-    MediumPoint at(Vector3) const override { return point_; }
     bool emits() const override { return emits_; }
 
 private:
+    MediumPoint coefficients(Vector3) const override { return point_; }
+
     MediumPoint point_;
     bool emits_;
 };

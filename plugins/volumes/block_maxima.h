@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The largest numbers of a grid: of each block of 8³ voxels, and so of any box of voxels.
+/// The largest numbers of a grid, or eigenvalues: of each block of 8³ voxels, and so of any box.
 #pragma once
 
 #include "core/base/error.h"
@@ -21,8 +21,8 @@ class BlockMaxima {
 public:
     BlockMaxima() = default;
     /// Reads the whole grid once, in parallel. Throws Error, which begins with `name`, for the
-    /// first voxel that is negative, infinite or no number; `first` is what its message calls voxel
-    /// (0, 0, 0).
+    /// first voxel that is negative, infinite or no number, or holds a matrix that is neither zero
+    /// nor positive definite; `first` is what its message calls voxel (0, 0, 0).
     BlockMaxima(const VoxelGrid& grid, const std::string& name, Vector3i first = Vector3i(0));
 
     float smallest() const { return smallest_; }
@@ -79,6 +79,13 @@ inline BlockMaxima::Layer BlockMaxima::read_layer(const VoxelGrid& grid, int blo
             std::size_t place = grid.place({0, y, z});
             for (int x = 0; x < n.x; ++x) {
                 float& largest = maximum({x / edge, y / edge, block_z});
+                if (grid.has_matrices()) {
+                    const bool bad = !is_zero_or_positive_definite(grid.matrix({x, y, z}));
+                    if (bad && !layer.bad) layer.bad = place;
+                    if (!bad) largest = std::max(largest, grid.largest({x, y, z}));
+                    place += 6;
+                    continue;
+                }
                 for (int channel = 0; channel < grid.channels(); ++channel, ++place) {
                     const float number = grid.number(place);
                     if (!(number >= 0 && number < infinity)) {
@@ -133,6 +140,13 @@ inline void BlockMaxima::refuse(const VoxelGrid& grid, std::size_t place, const 
     const auto nx = static_cast<std::size_t>(grid.resolution().x);
     const auto ny = static_cast<std::size_t>(grid.resolution().y);
     const Vector3i at = first + Vector3i(voxel % nx, voxel / nx % ny, voxel / nx / ny);
+    if (grid.has_matrices()) {
+        const SymmetricMatrix s = grid.matrix(at - first);
+        throw Error(fmt::format(
+            "{}: voxel ({}, {}, {}) is the matrix {:g}, {:g}, {:g}, {:g}, {:g}, {:g} (xx, yy, zz, "
+            "xy, xz, yz); matrices must be positive definite, or zero",
+            name, at.x, at.y, at.z, s.xx, s.yy, s.zz, s.xy, s.xz, s.yz));
+    }
     throw Error(
         fmt::format("{}: voxel ({}, {}, {}) is {:g}; a volume holds finite numbers of at "
                     "least 0",

@@ -4,7 +4,7 @@
 /// the centre.
 #pragma once
 
-#include "core/math/vector.h"
+#include "core/math/symmetric_matrix.h"
 
 #include <array>
 
@@ -90,5 +90,14 @@ inline VoxelRange reach(double lo, double hi, GridFilter filter) {
 /// exactly a where both are equal.
 inline float mixed(float a, float b, float t) { return std::min(std::max(a, b), a + t * (b - a)); }
 inline Color mixed(Color a, Color b, float t) { return glm::min(glm::max(a, b), a + t * (b - a)); }
+/// For each number. Zero or positive definite if both are.
+inline SymmetricMatrix mixed(const SymmetricMatrix& a, const SymmetricMatrix& b, float t) {
+    return {.xx = mixed(a.xx, b.xx, t),
+            .yy = mixed(a.yy, b.yy, t),
+            .zz = mixed(a.zz, b.zz, t),
+            .xy = mixed(a.xy, b.xy, t),
+            .xz = mixed(a.xz, b.xz, t),
+            .yz = mixed(a.yz, b.yz, t)};
+}
 
 }  // namespace lucerna

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// gridvolume: numbers or colours on a regular grid, from a volume file of Mitsuba (`.vol`).
+/// gridvolume: numbers, colours or symmetric matrices on a regular grid, from a volume file of
+/// Mitsuba (`.vol`).
 ///
 /// The grid fills the unit cube of its own space: voxel (i, j, k) of n has its centre at
 /// ((i, j, k) + ½) / n. Between centres, values are interpolated. Beyond the cube, which a medium
@@ -61,6 +62,7 @@ private:
 
 }  // namespace
 
-const PluginInfo plugin = describe<GridVolume>("numbers or colours on a grid, from a file");
+const PluginInfo plugin =
+    describe<GridVolume>("numbers, colours or matrices on a grid, from a file");
 
 }  // namespace lucerna

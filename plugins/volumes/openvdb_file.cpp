@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/volumes/openvdb_file.h"
 
+#include "plugins/volumes/forked_process.h"
 #include "plugins/volumes/vdb_bytes.h"
 
 #include <openvdb/io/Archive.h>
@@ -160,7 +161,6 @@ private:
 class Reader final : public openvdb::io::Archive {
 public:
     explicit Reader(const VdbBytes& file) : buffer_(file), stream_(&buffer_) {
-        openvdb::initialize();
         stream_.exceptions(std::ios_base::badbit | std::ios_base::failbit);
         openvdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
         readHeader(stream_);
@@ -169,9 +169,10 @@ public:
         setDataCompression(stream_);
     }
 
+    /// The grid is never destroyed, not even by an exception: trees are freed by TBB.
     template <typename Grid>
     typename Grid::Ptr read(const GridEntry& entry) {
-        const auto grid = Grid::create();
+        const auto& grid = *new typename Grid::Ptr(Grid::create());
         openvdb::io::GridDescriptor descriptor(entry.name, entry.type, entry.half);
         descriptor.setInstanceParentName(entry.parent);
         descriptor.setGridPos(entry.offset);
@@ -189,49 +190,139 @@ private:
         openvdb::SharedPtr<openvdb::io::StreamMetadata>(new openvdb::io::StreamMetadata);
 };
 
-Transform world_from_index(const openvdb::math::Transform& transform, const std::string& what) {
-    // OpenVDB multiplies rows: its matrix is the transpose, as GLM's columns are.
-    const openvdb::Mat4d rows = transform.baseMap()->getAffineMap()->getMat4();
-    Matrix4d matrix;
-    for (int i = 0; i < 4; ++i) {
-        for (int k = 0; k < 4; ++k) matrix[i][k] = rows(i, k);
-    }
-    return index_transform(matrix, what);
+/// What the process that reads a grid says first. The voxels of the dense grid follow, or so many
+/// letters of a message.
+struct Answer {
+    enum class Kind : std::uint32_t { grid, error, file_error, transient_file_error };
+
+    Kind kind = Kind::grid;
+    std::uint32_t letters = 0;
+    std::array<std::int32_t, 3> min{}, max{};  ///< of the active voxels; max < min: none are
+    Matrix4d world_from_index{1};
+};
+
+VoxelBox active_box(const Answer& answer) {
+    return {{answer.min[0], answer.min[1], answer.min[2]},
+            {answer.max[0], answer.max[1], answer.max[2]}};
+}
+
+template <typename T>
+std::span<std::uint8_t> bytes_of(T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return {reinterpret_cast<std::uint8_t*>(&value), sizeof value};
 }
 
 template <typename Grid>
-VdbGrid dense(const Grid& grid, const std::string& what, std::uint64_t memory) {
-    check_class(what, openvdb::GridBase::gridClassToString(grid.getGridClass()));
+constexpr int channels_of = std::is_same_v<typename Grid::ValueType, float> ? 1 : 3;
+
+/// The voxels of a dense grid, a few layers at a time: as many as lie in one layer of leaves. No
+/// message can follow any more: an exception ends the process.
+template <typename Grid>
+void send_voxels(const Grid& grid, const VoxelBox& box,
+                 const ForkedProcess::Output& output) noexcept {
     using Value = typename Grid::ValueType;
-    constexpr int channels = std::is_same_v<Value, float> ? 1 : 3;
-    static_assert(sizeof(Value) == channels * sizeof(float));
-    const auto vector = [](const openvdb::Coord& c) { return Vector3i(c.x(), c.y(), c.z()); };
-    const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-    VdbGrid result = dense_grid({vector(box.min()), vector(box.max())}, channels,
-                                world_from_index(grid.transform(), what), what, memory);
-    const Vector3i first = result.first, last = first + result.voxels.resolution() - 1;
-    openvdb::tools::Dense<Value, openvdb::tools::LayoutXYZ> voxels(
-        openvdb::CoordBBox({first.x, first.y, first.z}, {last.x, last.y, last.z}),
-        reinterpret_cast<Value*>(result.voxels.bytes().data()));
-    openvdb::tools::copyToDense(grid.constTree(), voxels, /*serial=*/true);
-    return result;
+    static_assert(sizeof(Value) == channels_of<Grid> * sizeof(float));
+    using Layers = openvdb::tools::Dense<Value, openvdb::tools::LayoutXYZ>;
+    constexpr int leaf = Grid::TreeType::LeafNodeType::DIM;
+    for (int z = box.min.z; z <= box.max.z;) {
+        const int last = std::min(z | (leaf - 1), box.max.z);
+        Layers layers(openvdb::CoordBBox({box.min.x, box.min.y, z}, {box.max.x, box.max.y, last}));
+        openvdb::tools::copyToDense(grid.constTree(), layers, /*serial=*/true);
+        output.write({reinterpret_cast<const std::uint8_t*>(layers.data()),
+                      layers.valueCount() * sizeof(Value)});
+        z = last + 1;
+    }
 }
 
+template <typename Grid>
+void send_grid(const VdbBytes& file, const GridEntry& entry, const GridEntry* parent,
+               const std::string& what, std::uint64_t memory, const ForkedProcess::Output& output) {
+    Reader reader(file);
+    const auto grid = reader.read<Grid>(entry);
+    if (parent) grid->setTree(reader.read<Grid>(*parent)->treePtr());
+    check_class(what, openvdb::GridBase::gridClassToString(grid->getGridClass()));
+    const openvdb::CoordBBox active = grid->evalActiveVoxelBoundingBox();
+    Answer answer;
+    for (std::size_t k = 0; k < 3; ++k) {
+        answer.min[k] = active.min()[k];
+        answer.max[k] = active.max()[k];
+    }
+    // OpenVDB multiplies rows: its matrix is the transpose, as GLM's columns are.
+    const openvdb::Mat4d rows = grid->transform().baseMap()->getAffineMap()->getMat4();
+    for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 4; ++k) answer.world_from_index[i][k] = rows(i, k);
+    }
+    index_transform(answer.world_from_index, what);
+    const VoxelBox box = dense_box(active_box(answer), channels_of<Grid>, what, memory);
+    output.write(bytes_of(answer));
+    send_voxels(*grid, box, output);
+}
+
+void send_error(Answer::Kind kind, const std::string& message,
+                const ForkedProcess::Output& output) {
+    Answer answer{.kind = kind, .letters = static_cast<std::uint32_t>(message.size())};
+    output.write(bytes_of(answer));
+    output.write({reinterpret_cast<const std::uint8_t*>(message.data()), message.size()});
+}
+
+/// What the other process does: reads a grid, and tells of it or of what is wrong with it.
+template <typename Grid>
+void answer(const VdbBytes& file, const GridEntry& entry, const GridEntry* parent,
+            const std::string& what, std::uint64_t memory, const ForkedProcess::Output& output) {
+    using Kind = Answer::Kind;
+    try {
+        send_grid<Grid>(file, entry, parent, what, memory, output);
+    } catch (const TransientFileError& error) {
+        send_error(Kind::transient_file_error, error.what(), output);
+    } catch (const FileError& error) {
+        send_error(Kind::file_error, error.what(), output);
+    } catch (const Error& error) {
+        send_error(Kind::error, error.what(), output);
+    } catch (const std::bad_alloc&) {
+        send_error(Kind::error, what + " needs more memory than this machine has, or is damaged",
+                   output);
+    } catch (const std::exception& error) {
+        send_error(Kind::error, fmt::format("{} cannot be read: {}", what, error.what()), output);
+    }
+}
+
+[[noreturn]] void rethrow(Answer::Kind kind, const std::string& message) {
+    if (kind == Answer::Kind::transient_file_error) throw TransientFileError(message);
+    if (kind == Answer::Kind::file_error) throw FileError(message);
+    throw Error(message);
+}
+
+[[noreturn]] void fail(ForkedProcess& process, const std::string& what) {
+    if (process.killed()) {
+        throw Error(what +
+                    " cannot be read: the process that read it was killed; it may need more "
+                    "memory than this machine has");
+    }
+    throw Error(what + " cannot be read: libopenvdb crashed reading it; the file is damaged");
+}
+
+/// Damage that the checks of this file do not find can crash the library, in a process of its own.
 template <typename Grid>
 VdbGrid read(const VdbBytes& file, const GridEntry& entry, const GridEntry* parent,
              const std::string& what, std::uint64_t memory) {
-    try {
-        Reader reader(file);
-        const auto grid = reader.read<Grid>(entry);
-        if (parent) grid->setTree(reader.read<Grid>(*parent)->treePtr());
-        return dense(*grid, what, memory);
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw Error(what + " needs more memory than this machine has");
-    } catch (const std::exception& error) {
-        throw Error(fmt::format("{} cannot be read: {}", what, error.what()));
+    openvdb::initialize();  // here, where other threads may hold its locks
+    ForkedProcess process([&](const ForkedProcess::Output& output) {
+        answer<Grid>(file, entry, parent, what, memory, output);
+    });
+    Answer said;
+    if (!process.read(bytes_of(said))) fail(process, what);
+    if (said.kind != Answer::Kind::grid) {
+        constexpr std::uint32_t longest = 1 << 20;
+        std::string message(std::min(said.letters, longest), '\0');
+        if (!process.read({reinterpret_cast<std::uint8_t*>(message.data()), message.size()})) {
+            fail(process, what);
+        }
+        rethrow(said.kind, message);
     }
+    VdbGrid grid = dense_grid(active_box(said), channels_of<Grid>,
+                              index_transform(said.world_from_index, what), what, memory);
+    if (!process.read(grid.voxels.bytes())) fail(process, what);
+    return grid;
 }
 
 VdbGrid read_grid(const VdbBytes& file, const std::string& wanted, std::uint64_t memory) {

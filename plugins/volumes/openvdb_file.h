@@ -4,7 +4,7 @@
 ///
 /// OpenVDB reads the trees. Before, what the file says about lengths and places is checked, since
 /// the library believes it; while it reads, the end of the file ends it. Trees that are damaged in
-/// other ways can crash the library.
+/// other ways can crash the library: it reads in a process of its own, which sends the dense grid.
 #pragma once
 
 #include "plugins/volumes/machine_memory.h"
@@ -16,8 +16,8 @@
 namespace lucerna {
 
 /// The grid of this name; empty: the only one, or "density". Throws Error, which begins with the
-/// file's name, for what is no such file, is truncated, for grids that are no
-/// volumes, as level sets, and for those that take more memory than there is.
+/// file's name, for what is no such file, is truncated or damaged, for grids that are no volumes,
+/// as level sets, and for those that take more memory than there is.
 VdbGrid read_openvdb(const std::filesystem::path& path, const std::string& grid);
 
 /// The same of bytes in memory; `name` begins its messages, `memory` is what there is [bytes].

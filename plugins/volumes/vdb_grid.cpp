@@ -9,6 +9,18 @@
 
 namespace lucerna {
 
+namespace {
+
+[[noreturn]] void fail_memory(const VoxelBox& active, int channels, const std::string& what) {
+    const glm::i64vec3 n = glm::i64vec3(active.max) - glm::i64vec3(active.min) + std::int64_t{1};
+    throw Error(
+        fmt::format("{}: the box of its active voxels, {} × {} × {}, takes {} bytes for each of "
+                    "them, more than this machine has",
+                    what, n.x, n.y, n.z, sizeof(float) * static_cast<std::size_t>(channels)));
+}
+
+}  // namespace
+
 std::size_t choose_grid(const std::vector<std::string>& names, const std::string& wanted,
                         const std::string& file) {
     if (names.empty()) throw Error(file + ": it holds no grids");
@@ -37,8 +49,8 @@ void check_class(const std::string& what, const std::string& grid_class) {
         fmt::format("{} is of the class \"{}\"; a volume needs a fog volume", what, grid_class));
 }
 
-VdbGrid dense_grid(const VoxelBox& active, int channels, const Transform& world_from_index,
-                   const std::string& what, std::uint64_t memory) {
+VoxelBox dense_box(const VoxelBox& active, int channels, const std::string& what,
+                   std::uint64_t memory) {
     const bool none = glm::any(glm::greaterThan(active.min, active.max));
     const VoxelBox box = none ? VoxelBox{Vector3i(0), Vector3i(0)} : active;
     constexpr int limit = 1 << 30;
@@ -48,20 +60,24 @@ VdbGrid dense_grid(const VoxelBox& active, int channels, const Transform& world_
     }
     const glm::i64vec3 n = glm::i64vec3(box.max) - glm::i64vec3(box.min) + std::int64_t{3};
     const auto bytes_each = sizeof(float) * static_cast<std::uint64_t>(channels);
-    const std::string too_large = fmt::format(
-        "{}: the box of its active voxels, {} × {} × {}, takes {} bytes for each of "
-        "them, more than this machine has",
-        what, n.x - 2, n.y - 2, n.z - 2, bytes_each);
     std::uint64_t possible = memory / bytes_each;
     for (int k = 0; k < 3; ++k) possible /= static_cast<std::uint64_t>(n[k]);
-    if (possible == 0 || glm::any(glm::greaterThan(n, glm::i64vec3(limit)))) throw Error(too_large);
+    if (possible == 0 || glm::any(glm::greaterThan(n, glm::i64vec3(limit)))) {
+        fail_memory(box, channels, what);
+    }
+    return {box.min - 1, box.max + 1};
+}
+
+VdbGrid dense_grid(const VoxelBox& active, int channels, const Transform& world_from_index,
+                   const std::string& what, std::uint64_t memory) {
+    const VoxelBox box = dense_box(active, channels, what, memory);
     VdbGrid grid;
     try {
-        grid.voxels = VoxelGrid(Vector3i(n), channels, VoxelGrid::Encoding::float32);
+        grid.voxels = VoxelGrid(box.max - box.min + 1, channels, VoxelGrid::Encoding::float32);
     } catch (const std::bad_alloc&) {
-        throw Error(too_large);
+        fail_memory({box.min + 1, box.max - 1}, channels, what);
     }
-    grid.first = box.min - 1;
+    grid.first = box.min;
     grid.world_from_index = world_from_index;
     return grid;
 }

@@ -32,9 +32,12 @@ std::size_t choose_grid(const std::vector<std::string>& names, const std::string
 /// whose values are what a volume holds: fog volume, or none.
 void check_class(const std::string& what, const std::string& grid_class);
 
-/// Zeros (float32) for the box of active voxels and the layer around it; if there are none
-/// (min > max), for index (0, 0, 0). Throws Error, which begins with `what`, if they need more than
-/// `memory` bytes.
+/// The box of active voxels and the layer around it; if there are none (min > max), of index
+/// (0, 0, 0). Throws Error, which begins with `what`, if its voxels need more than `memory` bytes.
+VoxelBox dense_box(const VoxelBox& active, int channels, const std::string& what,
+                   std::uint64_t memory);
+
+/// Zeros (float32) for all voxels of `dense_box`, which also tells the errors.
 VdbGrid dense_grid(const VoxelBox& active, int channels, const Transform& world_from_index,
                    const std::string& what, std::uint64_t memory);
 

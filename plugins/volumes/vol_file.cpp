@@ -94,8 +94,8 @@ private:
     /// That the numbers are as many as the file holds. Products of four integers may overflow, so
     /// what is left of the file is divided instead.
     void check_layout(std::uint64_t bytes_each) {
-        if (header_.channels != 1 && header_.channels != 3) {
-            fail(fmt::format("it has {} channels; a volume has 1 or 3", header_.channels));
+        if (header_.channels != 1 && header_.channels != 3 && header_.channels != 6) {
+            fail(fmt::format("it has {} channels; a volume has 1, 3 or 6", header_.channels));
         }
         std::uint64_t possible =
             (size_ - header_size) / bytes_each / static_cast<std::uint64_t>(header_.channels);

@@ -3,7 +3,7 @@
 /// little-endian (documentation of Mitsuba 3 and of Mitsuba 0.6, "gridvolume").
 ///
 /// Of the encodings, float32 (1), float16 (2) and uint8 (3) are read; 4 holds quantized directions.
-/// Volumes have one channel, or three.
+/// Volumes have one channel, three, or the six of symmetric matrices.
 #pragma once
 
 #include "core/math/bounds.h"

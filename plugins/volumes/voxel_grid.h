@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/huge_pages.h"
+#include "core/math/symmetric_matrix.h"
 #include "core/math/vector.h"
 
 #include <cstring>
@@ -13,7 +14,8 @@ namespace lucerna {
 
 using Vector3i = glm::ivec3;
 
-/// x changes fastest, then y, then z; the channels of a voxel lie side by side.
+/// x changes fastest, then y, then z; the channels of a voxel lie side by side: one number, the
+/// three of a colour, or the six of a symmetric matrix, xx, yy, zz, xy, xz, yz.
 class VoxelGrid {
 public:
     enum class Encoding : std::uint8_t { float32, float16, uint8 };
@@ -71,8 +73,19 @@ public:
         if (channels_ == 1) return Color(number(at));
         return {number(at), number(at + 1), number(at + 2)};
     }
-    /// The largest channel.
+    bool has_matrices() const { return channels_ == 6; }
+    SymmetricMatrix matrix(Vector3i voxel) const {
+        const std::size_t at = place(voxel);
+        return {.xx = number(at),
+                .yy = number(at + 1),
+                .zz = number(at + 2),
+                .xy = number(at + 3),
+                .xz = number(at + 4),
+                .yz = number(at + 5)};
+    }
+    /// The largest channel, or eigenvalue.
     float largest(Vector3i voxel) const {
+        if (has_matrices()) return static_cast<float>(eigenvalues(matrix(voxel)).largest);
         const std::size_t at = place(voxel);
         return channels_ == 1 ? number(at) : max_component(color(voxel));
     }

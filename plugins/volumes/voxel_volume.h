@@ -20,6 +20,10 @@ public:
     float real(Vector3 p) const override {
         return at<float>(p, [this](Vector3i voxel) { return grid_.real(voxel); });
     }
+    bool has_matrices() const override { return grid_.has_matrices(); }
+    SymmetricMatrix matrix(Vector3 p) const override {
+        return at<SymmetricMatrix>(p, [this](Vector3i voxel) { return grid_.matrix(voxel); });
+    }
     Bounds3 bounds() const override { return bounds_; }
     glm::ivec3 resolution() const override {
         return rounded_resolution(space_.voxels_along(bounds_.extent()));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Renders of participating media against closed forms: what is absorbed, what is scattered once,
 /// and furnaces in which nothing can be seen.
+#include "tests/paths.h"
 #include "tests/render_scene.h"
+#include "tests/vol_writer.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -274,6 +276,123 @@ TEST(EmittingMedium, AHomogeneousSlab) {
         const double way = c == 0 ? 1.5 : (1 - std::exp(-1.5 * sigma[c])) / sigma[c];
         EXPECT_NEAR(one_channel(film, static_cast<std::size_t>(c)), emission[c] * way,
                     2e-5 * emission[c] * way);
+    }
+}
+
+/// Oriented flakes, S = (0.15, 1, 0.8, 0.05, 0.1, −0.2): extinction is density · σ(ω).
+class OrientedFlakes : public testing::Test {
+protected:
+    static double form(Vector3d a, Vector3d b) {
+        const glm::dmat3 s({0.15, 0.05, 0.1}, {0.05, 1, -0.2}, {0.1, -0.2, 0.8});
+        return glm::dot(a, s * b);
+    }
+    static double area(Vector3d w) { return std::sqrt(form(w, w)); }
+    /// σ(wo) f(wo, wi) = D(h) / 4
+    static double scattered(Vector3d wo, Vector3d wi) {
+        const glm::dmat3 s({0.15, 0.05, 0.1}, {0.05, 1, -0.2}, {0.1, -0.2, 0.8});
+        const Vector3d h = glm::normalize(wo + wi);
+        const double square = glm::dot(h, glm::inverse(s) * h);
+        return 1 / (4 * pi * std::sqrt(glm::determinant(s)) * square * square);
+    }
+    static constexpr const char* flakes =
+        "<phase type='sggx'><string name='S' value='0.15, 1, 0.8, 0.05, 0.1, -0.2'/></phase>";
+
+    /// The same medium three times: homogeneous, tracked below majorants, and with S from a grid.
+    std::vector<std::string> media(const std::string& name, double density, double albedo) const {
+        write_bytes(folder_ / "one.vol",
+                    vol_bytes({.resolution = {2, 2, 2}}, std::vector<float>(8, 1.0f)));
+        std::vector<float> matrices;
+        for (int i = 0; i < 8; ++i) {
+            for (const float x : {0.15f, 1.0f, 0.8f, 0.05f, 0.1f, -0.2f}) matrices.push_back(x);
+        }
+        write_bytes(folder_ / "s.vol",
+                    vol_bytes({.resolution = {2, 2, 2}, .channels = 6}, matrices));
+        const std::string numbers = number("albedo", albedo) + number("scale", density);
+        const std::string grid =
+            "<volume type='gridvolume' name='{}'><string name='filename' "
+            "value='{}'/><transform name='to_world'><scale value='8'/>"
+            "<translate x='-4' y='-4' z='-4'/></transform></volume>";
+        const auto medium = [&](const std::string& inside) {
+            return fmt::format("<medium type='heterogeneous' name='{}'>{}</medium>", name,
+                               numbers + inside);
+        };
+        const std::string tracked =
+            fmt::format(fmt::runtime(grid), "sigma_t", (folder_ / "one.vol").string());
+        return {fog(name, numbers + flakes), medium(tracked + flakes),
+                medium(tracked + "<phase type='sggx'>" +
+                       fmt::format(fmt::runtime(grid), "S", (folder_ / "s.vol").string()) +
+                       "</phase>")};
+    }
+
+private:
+    TemporaryFolder folder_;
+};
+
+TEST_F(OrientedFlakes, G15_O12_BeersLawDependsOnTheDirection) {
+    for (const Vector3d from : {Vector3d(0, 0, -3), Vector3d(1, -0.5, -2), Vector3d(-1, 1, -2)}) {
+        const Vector3d w = glm::normalize(from);
+        const double way = 1.2 / std::abs(w.z);
+        const double expected = std::exp(-1.5 * area(w) * way);
+        for (const std::string& medium : media("interior", 1.5, 0)) {
+            const std::string scene =
+                volpath() + constant_light(1) + slab(1.2, null_surface + medium) +
+                xml({.to_world = look(from, {0, 0, 0}), .width = 4, .height = 4});
+            EXPECT_TRUE(agrees(image_means(scene, 2048), expected, 0.008)) << medium;
+        }
+    }
+}
+
+TEST_F(OrientedFlakes, G15_ShadowRaysMeetTheirOwnDirection) {
+    // A point light at (2, 0.7, 0.4), seen along the x axis in an infinite medium.
+    const double density = 0.9, albedo = 0.6;
+    const Vector3d light(2, 0.7, 0.4), d(1, 0, 0);
+    double expected = 0;
+    constexpr int n = 200000;
+    constexpr double end = 4, step = end / n;
+    for (int i = 0; i < n; ++i) {
+        const double t = near_clip + (i + 0.5) * step;
+        const Vector3d to = light - t * d, w = glm::normalize(to);
+        const double thickness = area(d) * (t - near_clip) + area(w) * glm::length(to);
+        expected += density * albedo * scattered(-d, w) * std::exp(-density * thickness) /
+                    glm::dot(to, to) * step;
+    }
+    const std::string wall =
+        shape("rectangle", scale(9) + look({end + near_clip, 0, 0}, {0, 0, 0}), diffuse(0));
+    for (const std::string& medium : media("", density, albedo)) {
+        TestCamera camera{.to_world = look({0, 0, 0}, d)};
+        camera.inside = medium;
+        const std::string scene =
+            volpath(integer("max_depth", 2)) + xml(camera) + wall + point_light(light, 1);
+        EXPECT_TRUE(agrees(image_means(scene, 1024), expected, 0.01)) << medium;
+    }
+}
+
+TEST_F(OrientedFlakes, G15_O13_WhiteFlakesAreNotSeenInAFurnace) {
+    for (const std::string& medium : media("interior", 3, 1)) {
+        const std::string scene =
+            volpath(integer("rr_depth", 100)) + constant_light(1) +
+            sphere({0, 0, 0}, 1, null_surface + medium) +
+            xml({.to_world = look({0, 0, -3}, {0.2, 0.1, 0}), .width = 4, .height = 4});
+        EXPECT_TRUE(agrees(image_means(scene, 256), 1, 0.006)) << medium;
+    }
+}
+
+/// Particles meet flakes along other directions than paths from the camera, and both find the same
+/// light: photons are scattered by f(w, ·) of their own direction.
+TEST_F(OrientedFlakes, G11_G15_PhotonsAgreeWithPaths) {
+    const std::vector<std::string> around = media("exterior", 1, 0.8), inside = media("", 1, 0.8);
+    const std::string photonmap =
+        "<integrator type='photonmap'>" + integer("global_photons", 1000) +
+        integer("volume_photons", 60000) + integer("volume_lookup_size", 8) + "</integrator>";
+    for (const std::size_t i : {0u, 2u}) {
+        TestCamera camera{.to_world = look({0.1, -0.2, -0.9}, {0, 0, 1}), .fov = 20};
+        camera.inside = inside[i];
+        const std::string scene =
+            shape("cube", "", boolean("flip_normals", true) + diffuse(0) + around[i]) +
+            sphere({0.5, 0.6, 0.1}, 0.2, diffuse(0) + area_light(5) + around[i]) + xml(camera);
+        EXPECT_TRUE(
+            agree(image_means(photonmap + scene, 8, 16), image_means(volpath() + scene, 512), 0.03))
+            << i;
     }
 }
 

@@ -79,6 +79,8 @@ def seeds():
             else:
                 scene = MESH.format(kind=kind, name=name)
             found.append((name, read(folder, name), scene))
+    with open(os.path.join(TESTS, "vdb", "fog.vdb"), "rb") as file:
+        found.append(("fog.vdb", file.read(), VOLUME.format(kind="openvdb", name="fog.vdb")))
     for name in ("first", "cornell-box", "furnace", "veach-mis"):
         with open(os.path.join(SCENES, name, "scene.xml"), "rb") as file:
             found.append((name + ".xml", file.read(), None))

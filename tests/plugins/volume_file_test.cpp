@@ -94,8 +94,8 @@ TEST(VolFile, L15_what_is_wrong_is_named) {
     EXPECT_EQ(message({.version = 2}), "a.vol: version 2 of the format cannot be read, only 3");
     EXPECT_EQ(message({.encoding = 4}),
               "a.vol: encoding 4 cannot be read, only 1 (float32), 2 (float16) and 3 (uint8)");
-    EXPECT_EQ(message({.channels = 6}), "a.vol: it has 6 channels; a volume has 1 or 3");
-    EXPECT_EQ(message({.channels = -1}), "a.vol: it has -1 channels; a volume has 1 or 3");
+    EXPECT_EQ(message({.channels = 2}), "a.vol: it has 2 channels; a volume has 1, 3 or 6");
+    EXPECT_EQ(message({.channels = -1}), "a.vol: it has -1 channels; a volume has 1, 3 or 6");
     EXPECT_EQ(message({.resolution = {2, 0, 3}}),
               "a.vol: a resolution of 2 × 0 × 3 is impossible: each number of voxels must be at "
               "least 1");
@@ -166,6 +166,28 @@ TEST(VolFile, L17_numbers_that_are_no_density_are_named_with_their_voxel) {
     EXPECT_EQ(refusal(vol_bytes({.resolution = {2, 1, 1}, .channels = 3},
                                 std::vector<float>{0, 0, 0, 0, 0, -0.5f})),
               "a.vol: voxel (1, 0, 0) is -0.5" + rest);
+}
+
+TEST(VolFile, L17_matrices_that_are_not_positive_definite_are_named_with_their_voxel) {
+    const auto with = [](const std::vector<float>& second) {
+        std::vector<float> numbers{1, 2, 3, -0.5f, 0.5f, 0.1f};
+        numbers.insert(numbers.end(), second.begin(), second.end());
+        return refusal(vol_bytes({.resolution = {1, 1, 2}, .channels = 6}, numbers));
+    };
+    EXPECT_EQ(with({1, 1, 1e-5f, 0, 0, 0}), "");
+    EXPECT_EQ(with({0, 0, 0, 0, 0, 0}), "");
+    const std::string rest =
+        " (xx, yy, zz, xy, xz, yz); matrices must be positive definite, or zero";
+    EXPECT_EQ(with({1, 1, 1, 2, 0, 0}),
+              "a.vol: voxel (0, 0, 1) is the matrix 1, 1, 1, 2, 0, 0" + rest);
+    EXPECT_EQ(with({1, 1, 0, 0, 0, 0}),
+              "a.vol: voxel (0, 0, 1) is the matrix 1, 1, 0, 0, 0, 0" + rest);
+    EXPECT_EQ(with({-1, -1, -1, 0, 0, 0}),
+              "a.vol: voxel (0, 0, 1) is the matrix -1, -1, -1, 0, 0, 0" + rest);
+    EXPECT_EQ(with({1, 1, 1, std::numeric_limits<float>::quiet_NaN(), 0, 0}),
+              "a.vol: voxel (0, 0, 1) is the matrix 1, 1, 1, nan, 0, 0" + rest);
+    EXPECT_EQ(with({infinity, 1, 1, 0, 0, 0}),
+              "a.vol: voxel (0, 0, 1) is the matrix inf, 1, 1, 0, 0, 0" + rest);
 }
 
 TEST(BlockMaxima, are_the_largest_of_any_box) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// OpenVDB files, right and wrong, against the library's own samplers.
+#include "plugins/volumes/forked_process.h"
 #include "plugins/volumes/openvdb_file.h"
 #include "tests/vdb/vdb_volumes.h"
 
@@ -7,6 +8,10 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>
 
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
 #include <sstream>
 
 namespace lucerna {
@@ -237,6 +242,64 @@ TEST_F(OpenVdbFile, L15_WhatIsNoSuchFileIsNamed) {
 
 TEST_F(OpenVdbFile, L15_EveryTruncationIsRefused) {
     expect_truncations_are_refused(read, bytes({fog()}));
+}
+
+/// Damage to the tree, behind what is checked before: of 18,000 files, 8 crashed libopenvdb 10.0.1.
+TEST_F(OpenVdbFile, L15_L24_FilesThatLieAreReadOrRefused) {
+    using namespace openvdb::io;
+    const auto colours = Vec3SGrid::create();
+    colours->tree().setValue({7, -8, 9}, {0.1f, 0.2f, 0.3f});
+    colours->sparseFill(openvdb::CoordBBox(Coord(0), Coord(40)), openvdb::Vec3f(1));
+    const auto halves = fog();
+    halves->setSaveFloatAsHalf(true);
+    const std::vector<Bytes> files = {
+        bytes_of(write({fog()}, COMPRESS_NONE)),
+        bytes_of(write({halves}, COMPRESS_ZIP | COMPRESS_ACTIVE_MASK)),
+        bytes_of(write({colours}, COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK))};
+    for (const Bytes& file : files) {
+        expect_damage_is_survived(read, file);
+        Rng rng(9);
+        for (int i = 0; i < 300; ++i) {
+            Bytes damaged = file;
+            constexpr std::size_t head = 300;
+            const auto size = static_cast<float>(file.size() - head - 1);
+            const int changes = 1 + static_cast<int>(20 * rng.next_float());
+            for (int k = 0; k < changes; ++k) {
+                const float u = rng.next_float();
+                const auto at = static_cast<std::size_t>((i % 3 ? u : u * u * u) * size);
+                const auto value = static_cast<std::uint8_t>(256 * rng.next_float());
+                damaged[head + at] = i % 4 ? value : 0xff;
+            }
+            const std::string message = refusal_of(read, damaged);
+            EXPECT_TRUE(message.empty() || message.starts_with("a: ")) << message;
+        }
+    }
+}
+
+/// What a process does to this one, at each stage of its answer.
+TEST(ForkedProcess, L24_ACrashEndsWhatIsRead) {
+    const std::vector<std::function<void()>> ends = {[] { std::abort(); }, [] { raise(SIGSEGV); },
+                                                     [] { throw 1; }, [] { raise(SIGKILL); },
+                                                     [] {}};
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+        ForkedProcess process([&](const ForkedProcess::Output& output) {
+            const Bytes three{1, 2, 3};
+            output.write(three);
+            ends[i]();
+        });
+        Bytes first(2), second(2);
+        EXPECT_TRUE(process.read(first));
+        EXPECT_EQ(first, (Bytes{1, 2}));
+        EXPECT_FALSE(process.read(second));
+        EXPECT_EQ(process.killed(), i == 3);
+    }
+    // Nobody reads what it writes, or it never ends.
+    ForkedProcess writes([](const ForkedProcess::Output& output) {
+        while (true) output.write(Bytes(1 << 20));
+    });
+    ForkedProcess waits([](const ForkedProcess::Output&) {
+        while (true) pause();
+    });
 }
 
 }  // namespace
