@@ -18,6 +18,9 @@ function(lucerna_compile_as_plugin target)
         -fno-math-errno -fno-trapping-math -ffp-contract=off)
     set_target_properties(${target} PROPERTIES
         POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    if(TARGET lucerna_precompiled AND NOT target STREQUAL "lucerna_precompiled")
+        target_precompile_headers(${target} REUSE_FROM lucerna_precompiled)
+    endif()
 endfunction()
 
 # The sources of a plugin or of a shared part.

@@ -41,21 +41,26 @@ public:
 
     std::optional<LightSample> sample_li(const Light& light, const Receiver& from,
                                          Vector2 u) const override {
+        // The only variable that is returned, so that it is filled in place: a copy would wait
+        // until its parts are stored.
+        std::optional<LightSample> sample;
         const auto at = light.shape->sample_solid_angle(light.primitive, from, u);
-        if (!at) return {};
+        if (!at) return sample;
         const Vector3 to_light = at->p - from.p;
         const float distance = glm::length(to_light);
-        if (!(distance > 0)) return {};
+        if (!(distance > 0)) return sample;
         const Vector3 wi = to_light / distance;
-        if (!(glm::dot(at->n, wi) < 0)) return {};
-        return LightSample{.wi = wi,
-                           .distance = distance,
-                           .radiance = radiance_of(light, *at),
-                           .pdf = at->pdf,
-                           .p = at->p,
-                           .n = at->n,
-                           .error = at->error,
-                           .target = light.shape->primitive_id(light.primitive)};
+        if (!(glm::dot(at->n, wi) < 0)) return sample;
+        sample.emplace();
+        sample->wi = wi;
+        sample->distance = distance;
+        sample->radiance = radiance_of(light, *at);
+        sample->pdf = at->pdf;
+        sample->p = at->p;
+        sample->n = at->n;
+        sample->error = at->error;
+        sample->target = light.shape->primitive_id(light.primitive);
+        return sample;
     }
 
     float pdf_li(const Light& light, const Receiver& from, Vector3 wi,

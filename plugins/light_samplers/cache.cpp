@@ -334,11 +334,18 @@ std::optional<LightChoice> CacheLightSampler::end(const Draw& draw) const {
 
 std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,
                                                      float u) const {
-    if (only_) return LightChoice{*only_, static_cast<float>(draws_)};
+    std::optional<LightChoice> choice;  // filled in place: a copy would wait for its parts
+    if (only_) {
+        choice.emplace();
+        choice->light = *only_;
+        choice->pmf = static_cast<float>(draws_);
+        return choice;
+    }
     Draw one = begin(at, shares_at(at), draw, u);
     while (one.walk && lights_.tree.step(*one.walk)) {
     }
-    return end(one);
+    choice = end(one);
+    return choice;
 }
 
 void CacheLightSampler::sample_many(std::uint32_t draw, std::span<LightQuery> queries) const {
