@@ -107,7 +107,7 @@ private:
 
     std::uint64_t id_ = 0;
     SceneLights lights_;
-    std::optional<std::uint32_t> only_;  ///< the light of a scene that has one
+    std::optional<LightChoice> only_;  ///< in a scene that has one light
     /// In a scene with few lights, all of them.
     std::optional<LightCell> everywhere_;
     CellGrid grid_;
@@ -157,7 +157,10 @@ void CacheLightSampler::prepare(const Scene& scene) {
     static std::atomic<std::uint64_t> count{0};
     id_ = ++count;
     lights_ = SceneLights(scene, std::max(few_, few_enough));
-    only_ = lights_.only_light();
+    only_.reset();
+    if (const auto light = lights_.only_light()) {
+        only_ = LightChoice{*light, static_cast<float>(draws_)};
+    }
     cells_.clear();
     grid_ = {};
     everywhere_.reset();
@@ -334,25 +337,16 @@ std::optional<LightChoice> CacheLightSampler::end(const Draw& draw) const {
 
 std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,
                                                      float u) const {
-    std::optional<LightChoice> choice;  // filled in place: a copy would wait for its parts
-    if (only_) {
-        choice.emplace();
-        choice->light = *only_;
-        choice->pmf = static_cast<float>(draws_);
-        return choice;
-    }
+    if (only_) return only_;
     Draw one = begin(at, shares_at(at), draw, u);
     while (one.walk && lights_.tree.step(*one.walk)) {
     }
-    choice = end(one);
-    return choice;
+    return end(one);
 }
 
 void CacheLightSampler::sample_many(std::uint32_t draw, std::span<LightQuery> queries) const {
     if (only_) {
-        for (LightQuery& query : queries) {
-            query.choice = LightChoice{*only_, static_cast<float>(draws_)};
-        }
+        for (LightQuery& query : queries) query.choice = only_;
         return;
     }
     if (everywhere_) {
@@ -387,7 +381,7 @@ void CacheLightSampler::sample_many(std::uint32_t draw, std::span<LightQuery> qu
 }
 
 float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
-    if (only_) return light == *only_ ? static_cast<float>(draws_) : 0.0f;
+    if (only_) return light == only_->light ? only_->pmf : 0.0f;
     const MixtureWeights& shares = shares_at(at);
     const auto scale = static_cast<float>(draws_);
     const auto found = std::lower_bound(lights_.infinite.begin(), lights_.infinite.end(), light);
