@@ -62,6 +62,14 @@ Ray shadow_ray(const Receiver& from, const LightSample& to) {
     return ray;
 }
 
+/// The same part of space.
+Ray with_unit_direction(Ray ray) {
+    const float length = glm::length(ray.d);
+    ray.d /= length;
+    ray.tmax *= length;
+    return ray;
+}
+
 }  // namespace
 
 Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
@@ -214,26 +222,19 @@ void Scene::intersect(std::span<TracedRay* const> rays) const {
     }
 }
 
-bool Scene::occluded(const Ray& ray) const {
-    RayStatistics& statistics = thread_ray_statistics();
-    if (!is_traceable(ray)) [[unlikely]] {
-        ++statistics.dropped;
-        return true;
-    }
-    const bool blocked = accelerator_->occluded(ray, {});
-    ++statistics.occlusions;
-    statistics.blocked += blocked;
-    return blocked;
-}
+bool Scene::occluded(const Ray& ray) const { return occluded(ray, {}); }
 
 bool Scene::occluded(const Receiver& from, const LightSample& to) const {
+    return occluded(shadow_ray(from, to), to.target);
+}
+
+bool Scene::occluded(const Ray& ray, PrimitiveId target) const {
     RayStatistics& statistics = thread_ray_statistics();
-    const Ray ray = shadow_ray(from, to);
     if (!is_traceable(ray)) [[unlikely]] {
         ++statistics.dropped;
         return true;
     }
-    const bool blocked = accelerator_->occluded(ray, to.target);
+    const bool blocked = accelerator_->occluded(ray, target);
     ++statistics.occlusions;
     statistics.blocked += blocked;
     return blocked;
@@ -260,23 +261,18 @@ Color Scene::transmittance(const Ray& ray, bool past_emitters) const {
 }
 
 Color Scene::transmittance(const Receiver& from, const LightSample& to) const {
-    if (!occluded(from, to)) return Color(1);
+    const Ray ray = shadow_ray(from, to);
+    if (!occluded(ray, to.target)) return Color(1);
     if (!has_null_surfaces()) return Color(0);
-    Ray ray = shadow_ray(from, to);
-    const float length = glm::length(ray.d);
-    ray.d /= length;
-    ray.tmax *= length;
-    return transmittance(ray, to.target, false);
+    return transmittance(with_unit_direction(ray), to.target, false);
 }
 
 Color Scene::transmittance(const Receiver& from, const LightSample& to, Rng& rng) const {
     if (!has_media_) return transmittance(from, to);
-    const bool blocked = occluded(from, to);
-    if (blocked && !has_null_surfaces()) return Color(0);
     Ray ray = shadow_ray(from, to);
-    const float length = glm::length(ray.d);
-    ray.d /= length;
-    ray.tmax *= length;
+    const bool blocked = occluded(ray, to.target);
+    if (blocked && !has_null_surfaces()) return Color(0);
+    ray = with_unit_direction(ray);
     const MediumSegment whole{.medium = from.medium, .o = ray.o, .d = ray.d, .length = ray.tmax};
     if (!blocked) return lucerna::transmittance(whole, rng);
     // Surfaces first: they are cheaper than media, and may let nothing through.

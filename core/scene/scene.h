@@ -108,6 +108,7 @@ private:
     void collect_lights();
     void find_kinds_of_surfaces();
     void find_media();
+    bool occluded(const Ray& ray, PrimitiveId target) const;
     Color transmittance(Ray ray, PrimitiveId target, bool past_emitters,
                         std::vector<MediumSegment>* media = nullptr) const;
     bool fill(const Ray& ray, const SceneHit& met, Interaction& at) const;
