@@ -112,6 +112,7 @@ void Diagnostics::add(Severity severity, Location where, std::string_view messag
     diagnostic.message = with_short_lines(message);
     if (where.file) {
         diagnostic.file = where.file->path;
+        diagnostic.line = diagnostic.column = 1;  // of an empty file
         const std::string_view text = where.file->text;
         if (!text.empty()) {
             const std::size_t offset = std::min(where.offset, text.size() - 1);

@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renders scenes, meshes, pictures and volumes that were damaged at random.
 
-    tests/fuzz/mutations.py [--lucerna PROGRAM] [--rounds 300] [--seed 0] [--keep FOLDER]
+    tests/fuzz/mutations.py [--lucerna PROGRAM | --server PROGRAM] [--rounds 300] [--seed 0]
+                            [--keep FOLDER]
 
 Each round takes a scene, a mesh, a picture or a volume that is right, changes some of its bytes,
 numbers or lines, and renders it. Whatever the change, the program must end within ten seconds with
 an exit code that is documented, and each error must tell its place: file, line and column. What
 breaks this is kept, and the exit code is 1. The same seed makes the same changes.
+
+With `--lucerna` the program is started for each round; with `--server`, `render_server` of the same
+build runs all rounds as children of one process, which is much faster under a sanitizer.
 """
 import argparse
 import os
@@ -15,6 +19,7 @@ import random
 import re
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -84,6 +89,8 @@ def seeds():
     for name in ("first", "cornell-box", "furnace", "veach-mis"):
         with open(os.path.join(SCENES, name, "scene.xml"), "rb") as file:
             found.append((name + ".xml", file.read(), None))
+    for name in sorted(os.listdir(os.path.join(CORPUS, "scenes"))):
+        found.append((name, read("scenes", name), None))
     return found
 
 
@@ -142,22 +149,67 @@ def limit_memory():
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
-def run(program, folder, scene):
+def path_of(program):
+    """What finds the program from any folder."""
+    return os.path.abspath(program) if os.sep in program else program
+
+
+class Program:
+    """The program, started for each run."""
+
+    def __init__(self, program):
+        self.program = path_of(program)
+
+    def run(self, folder, arguments):
+        """(exit code, or minus the signal; what it says on stderr); no code: it took too long."""
+        try:
+            done = subprocess.run([self.program, *arguments], cwd=folder, capture_output=True,
+                                  timeout=SECONDS, preexec_fn=limit_memory, check=False)
+        except subprocess.TimeoutExpired:
+            return None, ""
+        return done.returncode, done.stderr.decode(errors="replace")
+
+    def close(self):
+        """There is nothing to end."""
+
+
+class Server:
+    """The same by `render_server`."""
+
+    def __init__(self, program):
+        self.process = subprocess.Popen([path_of(program), str(SECONDS)], text=True,
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        preexec_fn=limit_memory)
+
+    def run(self, folder, arguments):
+        self.process.stdin.write("\t".join((folder, *arguments)) + "\n")
+        self.process.stdin.flush()
+        answer = self.process.stdout.readline().split()
+        if len(answer) != 2:
+            raise SystemExit("the server has ended")
+        how, number = answer[0], int(answer[1])
+        if how == "signal" and number == signal.SIGALRM:
+            return None, ""
+        with open(os.path.join(folder, "messages"), encoding="utf-8", errors="replace") as file:
+            return number if how == "exit" else -number, file.read()
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+def problem_of(program, folder, scene):
     """What is wrong with how the program ends, or None."""
-    command = [program, "render", scene, "-o", "picture", "--resolution", "8x8", "--spp", "1",
-               "--quiet", "--threads", "1"]
-    try:
-        done = subprocess.run(command, cwd=folder, capture_output=True, timeout=SECONDS,
-                              preexec_fn=limit_memory, check=False)
-    except subprocess.TimeoutExpired:
+    code, said = program.run(folder, ("render", scene, "-o", "picture", "--resolution", "8x8",
+                                      "--spp", "1", "--quiet", "--threads", "1"))
+    if code is None:
         return f"it runs longer than {SECONDS} s"
-    said = done.stderr.decode(errors="replace")
-    if done.returncode not in EXIT_CODES:
-        return f"exit code {done.returncode}: {said[-2000:]}"
-    if done.returncode == 0:
+    if code not in EXIT_CODES:
+        return f"exit code {code}: {said[-2000:]}"
+    if code == 0:
         return None
     if not said:
-        return f"exit code {done.returncode} without a word"
+        return f"exit code {code} without a word"
     for line in said.splitlines():
         if re.match(r"^\S.*\berror: ", line) and not PLACED.match(line):
             return f"an error without a place: {line[:300]}"
@@ -169,13 +221,12 @@ def run(program, folder, scene):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--lucerna", default="lucerna", help="the program")
+    parser.add_argument("--server", help="render_server, in place of the program")
     parser.add_argument("--rounds", type=int, default=300)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", default="mutations", help="folder for what breaks the program")
     arguments = parser.parse_args()
-    program = arguments.lucerna
-    if os.sep in program:
-        program = os.path.abspath(program)
+    program = Server(arguments.server) if arguments.server else Program(arguments.lucerna)
     broken = 0
     all_seeds = seeds()
     for i in range(arguments.rounds):
@@ -187,12 +238,13 @@ def main():
             if scene:
                 with open(os.path.join(folder, "scene.xml"), "w", encoding="utf-8") as file:
                     file.write(scene)
-            problem = run(program, folder, "scene.xml" if scene else name)
+            problem = problem_of(program, folder, "scene.xml" if scene else name)
             if problem:
                 broken += 1
                 kept = os.path.join(arguments.keep, f"{arguments.seed}-{i}")
                 shutil.copytree(folder, kept, dirs_exist_ok=True)
-                print(f"{kept}/{name}: {problem}")
+                print(f"{kept}/{name}: {problem}", flush=True)
+    program.close()
     print(f"{arguments.rounds} rounds, {broken} broken")
     return 1 if broken else 0
 
