@@ -103,9 +103,8 @@ wait_for 60 "SIGUSR1 stops no part" stopped
 # A job that is more urgent takes the node: the part writes a checkpoint and ends, and Slurm puts it
 # back into the queue.
 on_one() { squeue --noheader --array --jobs="$job" --states=R --nodelist=one --format=%K; }
-node_one_works() { [[ -n $(on_one) ]]; }
+node_one_works() { preempted=$(on_one | head -n 1) && [[ -n $preempted ]]; }
 wait_for 60 "node one has nothing to do" node_one_works
-preempted=$(on_one | head -n 1)
 sbatch --parsable --partition=urgent --nodelist=one --exclusive --output=/dev/null \
     --wrap 'sleep 1' > /dev/null
 # Unless it was done just before.
@@ -115,10 +114,9 @@ made_way() {
 wait_for 60 "part $preempted is not preempted" made_way
 
 wait_for 120 "no part is done" done_parts 1
-node_two_works() { [[ -n $(squeue --noheader --nodelist=two --states=R) ]]; }
+on_two() { squeue --noheader --array --nodelist=two --states=R --format='%K %A' | head -n 1; }
+node_two_works() { read -r lost job_of_lost < <(on_two); }
 wait_for 60 "node two has nothing to do" node_two_works
-lost=$(squeue --noheader --array --nodelist=two --states=R --format=%K | head -n 1)
-job_of_lost=$(squeue --noheader --array --nodelist=two --states=R --format=%A | head -n 1)
 echo "killing node two with part $lost"
 kill -KILL "${daemons[2]}"
 kill_steps "\[$job_of_lost\."
