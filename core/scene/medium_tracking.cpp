@@ -46,12 +46,14 @@ bool collide_homogeneous(const MediumSegment& segment, bool may_scatter, Vector2
     const int channel = u.x < share.x ? 0 : u.x < share.x + share.y ? 1 : 2;
     const float t =
         m.sigma_t[channel] > 0 ? sample_distance(fine(u.y, rng), m.sigma_t[channel]) : infinity;
+    const bool grey = is_grey(m.sigma_t);  // then the attenuation cancels out
     if (t < segment.length) {
-        const Color arriving = attenuation(m.sigma_t, t);
+        const Color arriving = grey ? Color(1) : attenuation(m.sigma_t, t);
         path.beta *= m.sigma_s * arriving / sum(share * m.sigma_t * arriving);
         path.t = t;
         return true;
     }
+    if (grey) return false;
     const Color arriving = attenuation(m.sigma_t, segment.length);
     path.beta *= arriving / sum(share * arriving);
     return false;

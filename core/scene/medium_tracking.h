@@ -29,11 +29,13 @@ struct MediumSegment {
     float length = 0;  ///< may be infinite
 };
 
+/// Whether all channels are the same, as in the usual fog.
+inline bool is_grey(Color c) { return c.x == c.y && c.y == c.z; }
+
 /// exp(−σ t), where t may be infinite.
 inline Color attenuation(Color sigma, float t) {
     const auto of = [t](float s) { return s > 0 ? std::exp(-s * t) : 1.0f; };
-    const bool grey = sigma.x == sigma.y && sigma.y == sigma.z;  // the usual fog
-    return grey ? Color(of(sigma.x)) : Color(of(sigma.x), of(sigma.y), of(sigma.z));
+    return is_grey(sigma) ? Color(of(sigma.x)) : Color(of(sigma.x), of(sigma.y), of(sigma.z));
 }
 
 /// An unbiased estimate of the fraction of light that gets through: exact in homogeneous media, by

@@ -56,35 +56,40 @@ public:
         const float angle = begin_ + static_cast<float>(u) * angle_;
         return std::clamp(delta_ + distance_ * std::tan(angle), 0.0f, segment_.length);
     }
-    /// Its density [1/m].
-    float pdf(float t) const {
-        const float forced = rate_ * std::exp(-rate_ * t) / static_cast<float>(reach_);
+    /// The share of the path's own collision at t in an estimate of the direct light there.
+    float collision_weight(float t) const {
+        const Color arriving = attenuation(point_.sigma_t, t);
+        const float own = collision_pdf(arriving);
+        return own > 0 ? own / (own + pdf(t, arriving)) : 0.0f;
+    }
+    /// The throughput up to and with a scattering at t that `sample` has chosen.
+    Color throughput_alone(float t) const {
+        const Color arriving = attenuation(point_.sigma_t, t);
+        return beta_ * point_.sigma_s * arriving / pdf(t, arriving);
+    }
+    /// The same, weighted against the path's own collision.
+    Color throughput(float t) const {
+        const Color arriving = attenuation(point_.sigma_t, t);
+        return beta_ * point_.sigma_s * arriving / (collision_pdf(arriving) + pdf(t, arriving));
+    }
+
+private:
+    /// The density of `sample` at t, up to which the attenuation is `arriving` [1/m].
+    float pdf(float t, Color arriving) const {
+        const float thinned = is_grey(point_.sigma_t) ? arriving.x : std::exp(-rate_ * t);
+        const float forced = rate_ * thinned / static_cast<float>(reach_);
         if (!(distance_ > 0)) return forced;
         const float off = t - delta_;
         const float near = distance_ / (angle_ * (distance_ * distance_ + off * off));
         return 0.5f * (forced + near);
     }
-    /// The density with which a path collides at t by itself (medium_tracking.h) [1/m].
-    float collision_pdf(float t) const {
-        const Color density = share_ * point_.sigma_t * attenuation(point_.sigma_t, t);
+    /// The density with which a path collides by itself where so much arrives
+    /// (medium_tracking.h) [1/m].
+    float collision_pdf(Color arriving) const {
+        const Color density = share_ * point_.sigma_t * arriving;
         return density.x + density.y + density.z;
     }
-    /// The share of the path's own collision at t in an estimate of the direct light there.
-    float collision_weight(float t) const {
-        const float own = collision_pdf(t);
-        return own > 0 ? own / (own + pdf(t)) : 0.0f;
-    }
-    /// The throughput up to and with a scattering at t that `sample` has chosen.
-    Color throughput_alone(float t) const {
-        return beta_ * point_.sigma_s * attenuation(point_.sigma_t, t) / pdf(t);
-    }
-    /// The same, weighted against the path's own collision.
-    Color throughput(float t) const {
-        return beta_ * point_.sigma_s * attenuation(point_.sigma_t, t) /
-               (collision_pdf(t) + pdf(t));
-    }
 
-private:
     MediumSegment segment_;
     MediumPoint point_;
     Color beta_, share_;

@@ -105,11 +105,12 @@ inline void aim_at_light(const Scene& scene, const LightSampler& sampler, const 
                  sampler.draws() - 1);
     const float u_choice = rng.next_float();
     const Vector2 u_light = rng.next_float2();
-    if (const auto choice = sampler.sample(middle, draw, u_choice)) {
-        const Light& light = scene.lights()[choice->light];
-        const auto sample = light.emitter->sample_li(light, middle, u_light);
-        if (sample && std::isfinite(sample->distance)) line.aim_at(sample->p);
-    }
+    const auto choice = sampler.sample(middle, draw, u_choice);
+    if (!choice) return;
+    const Light& light = scene.lights()[choice->light];
+    if (light.shape) return line.aim_at(light.shape->sample_area(light.primitive, u_light).p);
+    const auto sample = light.emitter->sample_li(light, middle, u_light);
+    if (sample && std::isfinite(sample->distance)) line.aim_at(sample->p);
 }
 
 }  // namespace lucerna

@@ -25,6 +25,7 @@ public:
     /// nor positive definite; `first` is what its message calls voxel (0, 0, 0).
     BlockMaxima(const VoxelGrid& grid, const std::string& name, Vector3i first = Vector3i(0));
 
+    /// The smallest channel, or eigenvalue.
     float smallest() const { return smallest_; }
     float largest() const { return largest_; }
     /// The largest channel of all voxels of a box inside of the grid, exactly.
@@ -80,9 +81,14 @@ inline BlockMaxima::Layer BlockMaxima::read_layer(const VoxelGrid& grid, int blo
             for (int x = 0; x < n.x; ++x) {
                 float& largest = maximum({x / edge, y / edge, block_z});
                 if (grid.has_matrices()) {
-                    const bool bad = !is_zero_or_positive_definite(grid.matrix({x, y, z}));
-                    if (bad && !layer.bad) layer.bad = place;
-                    if (!bad) largest = std::max(largest, grid.largest({x, y, z}));
+                    const SymmetricMatrix matrix = grid.matrix({x, y, z});
+                    if (is_zero_or_positive_definite(matrix)) {
+                        const EigenvalueRange range = eigenvalues(matrix);
+                        largest = std::max(largest, static_cast<float>(range.largest));
+                        layer.smallest = std::min(layer.smallest, static_cast<float>(range.least));
+                    } else if (!layer.bad) {
+                        layer.bad = place;
+                    }
                     place += 6;
                     continue;
                 }
