@@ -232,6 +232,21 @@ struct Construction {
     std::vector<Location> places;  ///< of parts.objects
 };
 
+/// Beyond 1e18 Embree's arithmetic overflows, and so do areas in float.
+void check_size(const Shape& shape, Location where, Diagnostics& diagnostics) {
+    constexpr float limit = 1e18f;
+    const Bounds3 bounds = shape.bounds();
+    if (bounds.empty()) return;
+    const Vector3 farthest = glm::max(absolute(bounds.min), absolute(bounds.max));
+    for (int axis = 0; axis < 3; ++axis) {
+        if (farthest[axis] < limit) continue;
+        diagnostics.error(where, fmt::format("this shape reaches to {} = {:g}; coordinates must "
+                                             "lie below {:g}",
+                                             "xyz"[axis], farthest[axis], limit));
+        return;
+    }
+}
+
 std::optional<Construction> construct_all(const Description& description, Registry& registry,
                                           Diagnostics& diagnostics, Vector3d origin) {
     ObjectBuilder builder(description, registry, diagnostics, origin);
@@ -248,6 +263,7 @@ std::optional<Construction> construct_all(const Description& description, Regist
         const std::string& kind = child.element->kind;
         if (kind == Shape::kind) {
             if (auto* shape = static_cast<Shape*>(builder.build(*child.element))) {
+                check_size(*shape, child.where, diagnostics);
                 parts.shapes.push_back(shape);
             }
         } else if (kind == Emitter::kind) {

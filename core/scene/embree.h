@@ -8,6 +8,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+/// Packets are not marked as coherent: Embree 3.13.5 then never returns from some of them.
 namespace lucerna::embree {
 
 #if RTC_VERSION_MAJOR >= 4
@@ -32,8 +33,7 @@ inline void occluded(RTCScene scene, Context& context, RTCFilterFunctionN filter
     rtcInitOccludedArguments(&arguments);
     arguments.context = &context;
     arguments.filter = filter;
-    arguments.flags = static_cast<RTCRayQueryFlags>(RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER |
-                                                    RTC_RAY_QUERY_FLAG_COHERENT);
+    arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
     rtcOccluded16(valid, scene, &rays, &arguments);
 }
 
@@ -58,7 +58,6 @@ inline void occluded(RTCScene scene, Context& context, RTCFilterFunctionN filter
 inline void occluded(RTCScene scene, Context& context, RTCFilterFunctionN filter, const int* valid,
                      RTCRay16& rays) {
     context.filter = filter;
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     rtcOccluded16(valid, scene, &context, &rays);
 }
 

@@ -6,13 +6,15 @@
 ///
 /// Each line of the input is a folder and the arguments of `lucerna`, between tabulators. The child
 /// runs in the folder, and what it says on stderr is in the file `messages` there. The answer is a
-/// line: "exit CODE", or "signal NUMBER"; signal 14 ends what runs longer than SECONDS.
+/// line: "exit CODE", or "signal NUMBER". SIGXCPU ends what works for more than SECONDS of processor
+/// time, SIGALRM what is there for six times as long.
 #include "core/command_line/program.h"
 #include "core/interfaces/command.h"
 #include "core/plugin/registry.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -70,7 +72,9 @@ void redirect(int descriptor, const char* file, int flags) {
     redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
     redirect(STDOUT_FILENO, "/dev/null", O_WRONLY);
     redirect(STDERR_FILENO, "messages", O_WRONLY | O_CREAT | O_TRUNC);
-    alarm(seconds);
+    const rlimit limit{seconds, seconds + 1};
+    setrlimit(RLIMIT_CPU, &limit);
+    alarm(6 * seconds);
     words.erase(words.begin());
     std::exit(run_program(std::move(words)));  // with all that a program does at its end
 }
