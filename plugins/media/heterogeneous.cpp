@@ -5,6 +5,8 @@
 /// whose cells hold several voxels each.
 #include "plugins/media/coefficients.h"
 
+#include <fmt/format.h>
+
 #include <optional>
 
 namespace lucerna {
@@ -30,7 +32,7 @@ public:
             const float length = max_component(cell.extent());
             const float emits = coefficients_.max_emission(cell) > 0 ? 1 / length : 0.0f;
             const float majorant = std::max(coefficients_.max_extinction(cell), emits);
-            if (!std::isfinite(majorant)) throw Error("the extinction of a medium must be finite");
+            check(majorant, length);
             return majorant;
         });
     }
@@ -41,6 +43,17 @@ public:
 
 private:
     static constexpr int voxels_per_cell = 4;
+
+    /// Tentative collisions in a cell are as many as its majorant is large, whatever is there.
+    static void check(float majorant, float length) {
+        constexpr float most_collisions = 1e6f;
+        if (!std::isfinite(majorant)) throw Error("the extinction of a medium must be finite");
+        if (majorant * length <= most_collisions) return;
+        throw Error(fmt::format(
+            "the extinction of this medium reaches {:g}, in a cell of length {:g}: a ray would "
+            "take up to {:g} steps there, but {:g} is the most; use a smaller scale, or a surface",
+            majorant, length, majorant * length, most_collisions));
+    }
 
     MediumCoefficients coefficients_;
     std::optional<MajorantGrid> grid_;
