@@ -7,10 +7,10 @@
 
 For each scene the passes per processor second are measured on full pictures; then the caustic alone
 is rendered with as many passes as fit into these times, with several seeds, and compared with two
-runs of ptracer, three times as long as the longest. All is relative to the square of the reference, as in
-`lucerna diff`. With A, B the means of half of the seeds each, and R, S the references, the mean of
-(A − R)(B − S) over the pixels is the squared bias, without the noise of either. OPTIONs go to the
-renders of sppm. numpy and OpenEXR are from PyPI.
+runs of ptracer, three times as long as the longest. All is relative to the square of the reference,
+as in `lucerna diff`. With A, B the means of half of the seeds each, and R, S the references, the
+mean of (A − R)(B − S) over the pixels is the squared bias, without the noise of either. OPTIONs go
+to the renders of sppm. numpy and OpenEXR are from PyPI.
 """
 import argparse
 import json
