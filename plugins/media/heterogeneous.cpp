@@ -5,6 +5,8 @@
 /// whose cells hold several voxels each.
 #include "plugins/media/coefficients.h"
 
+#include <fmt/format.h>
+
 #include <optional>
 
 namespace lucerna {
@@ -13,7 +15,7 @@ namespace {
 class Heterogeneous final : public Medium {
 public:
     explicit Heterogeneous(const Params& params) : Medium(params), coefficients_(params) {
-        if (coefficients_.constant() && phase().uniform()) return;
+        if (coefficients_.constant()) return;
         const Bounds3 box = coefficients_.bounds();
         if (box.empty()) {
             throw Error(
@@ -29,20 +31,29 @@ public:
             // Emission is met at collisions, even where there is no extinction.
             const float length = max_component(cell.extent());
             const float emits = coefficients_.max_emission(cell) > 0 ? 1 / length : 0.0f;
-            const float area = phase().max_projected_area(cell);
-            const float majorant = std::max(area * coefficients_.max_extinction(cell), emits);
-            if (!std::isfinite(majorant)) throw Error("the extinction of a medium must be finite");
+            const float majorant = std::max(coefficients_.max_extinction(cell), emits);
+            check(majorant, length);
             return majorant;
         });
     }
 
+    MediumPoint at(Vector3 p) const override { return coefficients_.at(p); }
     const MajorantGrid* majorants() const override { return grid_ ? &*grid_ : nullptr; }
     bool emits() const override { return coefficients_.emits(); }
 
 private:
-    MediumPoint coefficients(Vector3 p) const override { return coefficients_.at(p); }
-
     static constexpr int voxels_per_cell = 4;
+
+    /// Tentative collisions in a cell are as many as its majorant is large, whatever is there.
+    static void check(float majorant, float length) {
+        constexpr float most_collisions = 1e6f;
+        if (!std::isfinite(majorant)) throw Error("the extinction of a medium must be finite");
+        if (majorant * length <= most_collisions) return;
+        throw Error(fmt::format(
+            "the extinction of this medium reaches {:g}, in a cell of length {:g}: a ray would "
+            "take up to {:g} steps there, but {:g} is the most; use a smaller scale, or a surface",
+            majorant, length, majorant * length, most_collisions));
+    }
 
     MediumCoefficients coefficients_;
     std::optional<MajorantGrid> grid_;

@@ -6,8 +6,8 @@
 ///
 /// Each line of the input is a folder and the arguments of `lucerna`, between tabulators. The child
 /// runs in the folder, and what it says on stderr is in the file `messages` there. The answer is a
-/// line: "exit CODE", or "signal NUMBER". SIGXCPU ends what works for more than SECONDS of processor
-/// time, SIGALRM what is there for six times as long.
+/// line: "exit CODE", or "signal NUMBER". SIGXCPU ends what works for more than SECONDS of a
+/// processor, SIGALRM what is there for six times as long.
 #include "core/command_line/program.h"
 #include "core/interfaces/command.h"
 #include "core/plugin/registry.h"
