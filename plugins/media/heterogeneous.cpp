@@ -15,7 +15,7 @@ namespace {
 class Heterogeneous final : public Medium {
 public:
     explicit Heterogeneous(const Params& params) : Medium(params), coefficients_(params) {
-        if (coefficients_.constant()) return;
+        if (coefficients_.constant() && phase().uniform()) return;
         const Bounds3 box = coefficients_.bounds();
         if (box.empty()) {
             throw Error(
@@ -31,17 +31,19 @@ public:
             // Emission is met at collisions, even where there is no extinction.
             const float length = max_component(cell.extent());
             const float emits = coefficients_.max_emission(cell) > 0 ? 1 / length : 0.0f;
-            const float majorant = std::max(coefficients_.max_extinction(cell), emits);
+            const float area = phase().max_projected_area(cell);
+            const float majorant = std::max(area * coefficients_.max_extinction(cell), emits);
             check(majorant, length);
             return majorant;
         });
     }
 
-    MediumPoint at(Vector3 p) const override { return coefficients_.at(p); }
     const MajorantGrid* majorants() const override { return grid_ ? &*grid_ : nullptr; }
     bool emits() const override { return coefficients_.emits(); }
 
 private:
+    MediumPoint coefficients(Vector3 p) const override { return coefficients_.at(p); }
+
     static constexpr int voxels_per_cell = 4;
 
     /// Tentative collisions in a cell are as many as its majorant is large, whatever is there.
