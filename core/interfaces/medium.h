@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    /// Of particles whose projected area is 1.
+    /// At a point of the world, for particles whose projected area is 1.
     virtual MediumPoint coefficients(Vector3 p) const = 0;
     void turn(MediumPoint& point, Vector3 p, Vector3 w) const;
 

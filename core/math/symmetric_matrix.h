@@ -45,9 +45,9 @@ inline EigenvalueRange eigenvalues(const SymmetricMatrix& s) {
             mean + 2 * spread * std::cos(angle)};
 }
 
-/// Zero, or positive definite by more than what floats round off.
-inline bool is_zero_or_positive_definite(const SymmetricMatrix& s) {
-    const EigenvalueRange range = eigenvalues(s);
+/// Whether a matrix with these eigenvalues is zero, or positive definite by more than what floats
+/// round off.
+inline bool is_zero_or_positive_definite(const EigenvalueRange& range) {
     return std::isfinite(range.largest) &&
            (range.least > 1e-6 * range.largest || (range.least == 0 && range.largest == 0));
 }

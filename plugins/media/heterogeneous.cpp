@@ -33,7 +33,7 @@ public:
             const float emits = coefficients_.max_emission(cell) > 0 ? 1 / length : 0.0f;
             const float area = phase().max_projected_area(cell);
             const float majorant = std::max(area * coefficients_.max_extinction(cell), emits);
-            check(majorant, length);
+            check_majorant(majorant, length);
             return majorant;
         });
     }
@@ -47,7 +47,7 @@ private:
     static constexpr int voxels_per_cell = 4;
 
     /// Tentative collisions in a cell are as many as its majorant is large, whatever is there.
-    static void check(float majorant, float length) {
+    static void check_majorant(float majorant, float length) {
         constexpr float most_collisions = 1e6f;
         if (!std::isfinite(majorant)) throw Error("the extinction of a medium must be finite");
         if (majorant * length <= most_collisions) return;

@@ -50,9 +50,9 @@ public:
     }
 
 private:
-    /// Of the density.
+    /// Share of the second kind in the density.
     float share(Vector3 p) const { return std::clamp(weight_.real(p), 0.0f, 1.0f); }
-    /// Of what is seen along wo.
+    /// Its share in what is seen along wo.
     float weight(Vector3 p, Vector3 wo) const {
         const float w = share(p);
         if (!oriented_) return w;

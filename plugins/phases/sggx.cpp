@@ -61,7 +61,9 @@ private:
 class Sggx final : public Phase {
 public:
     explicit Sggx(const Params& params)
-        : constant_(read_matrix(params)), volume_(params.child<Volume>("S", "")) {
+        : constant_(read_matrix(params)),
+          constant_ellipsoid_(constant_),
+          volume_(params.child<Volume>("S", "")) {
         if (volume_ && !volume_->has_matrices()) {
             params.error("S", "the volume must have six channels: xx, yy, zz, xy, xz, yz");
             volume_ = nullptr;
@@ -69,17 +71,17 @@ public:
     }
 
     PhaseValue evaluate(Vector3 p, Vector3 wo, Vector3 wi) const override {
-        return value(Ellipsoid(matrix(p)), Vector3d(wo), half_way(wo, wi));
+        return value(ellipsoid(p), Vector3d(wo), half_way(wo, wi));
     }
 
     PhaseSample sample(Vector3 p, Vector3 wo, float, Vector2 u) const override {
-        const Ellipsoid ellipsoid(matrix(p));
+        const Ellipsoid flakes = ellipsoid(p);
         const Vector3d w(wo);
-        const Vector3 seen(glm::normalize(ellipsoid.transposed_image(w)));
+        const Vector3 seen(glm::normalize(flakes.transposed_image(w)));
         const Vector3 n = Frame::from_normal(seen).to_world(square_to_cosine_hemisphere(u));
-        const Vector3d m = glm::normalize(ellipsoid.image(Vector3d(n)));
+        const Vector3d m = glm::normalize(flakes.image(Vector3d(n)));
         const Vector3 wi(glm::normalize(2 * glm::dot(w, m) * m - w));
-        return {.wi = wi, .weight = 1, .pdf = value(ellipsoid, w, m).pdf};
+        return {.wi = wi, .weight = 1, .pdf = value(flakes, w, m).pdf};
     }
 
     bool oriented() const override { return true; }
@@ -97,7 +99,7 @@ public:
 private:
     static SymmetricMatrix read_matrix(const Params& params) {
         const SymmetricMatrix sphere{.xx = 1, .yy = 1, .zz = 1};
-        // Of a nested volume there is no text.
+        // A nested volume leaves the default.
         const std::string text =
             params.string("S", "1, 1, 1, 0, 0, 0",
                           "the matrix, as xx, yy, zz, xy, xz, yz, or a volume of six channels");
@@ -117,8 +119,8 @@ private:
         std::array<float, 6> s;
         for (std::size_t i = 0; i < s.size(); ++i) s[i] = static_cast<float>(numbers[i]);
         const SymmetricMatrix matrix{s[0], s[1], s[2], s[3], s[4], s[5]};
-        if (!is_zero_or_positive_definite(matrix) || !(s[0] > 0)) {
-            const EigenvalueRange range = eigenvalues(matrix);
+        const EigenvalueRange range = eigenvalues(matrix);
+        if (!is_zero_or_positive_definite(range) || !(s[0] > 0)) {
             params.error("S", fmt::format("\"S\" must be positive definite; its eigenvalues are "
                                           "from {:.3g} to {:.3g}",
                                           range.least, range.largest));
@@ -136,6 +138,9 @@ private:
     }
 
     SymmetricMatrix matrix(Vector3 p) const { return volume_ ? volume_->matrix(p) : constant_; }
+    Ellipsoid ellipsoid(Vector3 p) const {
+        return volume_ ? Ellipsoid(volume_->matrix(p)) : constant_ellipsoid_;
+    }
 
     /// Any normal of wo, if light goes on as it came.
     static Vector3d half_way(Vector3 wo, Vector3 wi) {
@@ -151,6 +156,7 @@ private:
     }
 
     SymmetricMatrix constant_;
+    Ellipsoid constant_ellipsoid_;
     const Volume* volume_;
 };
 

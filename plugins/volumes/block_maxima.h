@@ -40,6 +40,9 @@ private:
         float smallest = infinity;
         std::optional<std::size_t> bad;  ///< place of the first number that is refused
     };
+    static void read_matrix(const VoxelGrid& grid, std::size_t place, float& largest, Layer& layer);
+    static void read_channels(const VoxelGrid& grid, std::size_t place, float& largest,
+                              Layer& layer);
     Layer read_layer(const VoxelGrid& grid, int block_z);
     float& maximum(Vector3i block) { return maxima_[index(block)]; }
     std::size_t index(Vector3i block) const {
@@ -72,34 +75,44 @@ inline BlockMaxima::BlockMaxima(const VoxelGrid& grid, const std::string& name, 
     largest_ = *std::max_element(maxima_.begin(), maxima_.end());
 }
 
+inline void BlockMaxima::read_matrix(const VoxelGrid& grid, std::size_t place, float& largest,
+                                     Layer& layer) {
+    const EigenvalueRange range = eigenvalues(grid.matrix(place));
+    if (is_zero_or_positive_definite(range)) {
+        largest = std::max(largest, static_cast<float>(range.largest));
+        layer.smallest = std::min(layer.smallest, static_cast<float>(range.least));
+    } else if (!layer.bad) {
+        layer.bad = place;
+    }
+}
+
+inline void BlockMaxima::read_channels(const VoxelGrid& grid, std::size_t place, float& largest,
+                                       Layer& layer) {
+    const std::size_t end = place + static_cast<std::size_t>(grid.channels());
+    for (; place < end; ++place) {
+        const float number = grid.number(place);
+        if (number >= 0 && number < infinity) {
+            largest = std::max(largest, number);
+            layer.smallest = std::min(layer.smallest, number);
+        } else if (!layer.bad) {
+            layer.bad = place;
+        }
+    }
+}
+
 inline BlockMaxima::Layer BlockMaxima::read_layer(const VoxelGrid& grid, int block_z) {
     const Vector3i n = grid.resolution();
+    const auto channels = static_cast<std::size_t>(grid.channels());
     Layer layer;
     for (int z = edge * block_z; z < std::min(n.z, edge * (block_z + 1)); ++z) {
         for (int y = 0; y < n.y; ++y) {
             std::size_t place = grid.place({0, y, z});
-            for (int x = 0; x < n.x; ++x) {
+            for (int x = 0; x < n.x; ++x, place += channels) {
                 float& largest = maximum({x / edge, y / edge, block_z});
                 if (grid.has_matrices()) {
-                    const SymmetricMatrix matrix = grid.matrix({x, y, z});
-                    if (is_zero_or_positive_definite(matrix)) {
-                        const EigenvalueRange range = eigenvalues(matrix);
-                        largest = std::max(largest, static_cast<float>(range.largest));
-                        layer.smallest = std::min(layer.smallest, static_cast<float>(range.least));
-                    } else if (!layer.bad) {
-                        layer.bad = place;
-                    }
-                    place += 6;
-                    continue;
-                }
-                for (int channel = 0; channel < grid.channels(); ++channel, ++place) {
-                    const float number = grid.number(place);
-                    if (!(number >= 0 && number < infinity)) {
-                        if (!layer.bad) layer.bad = place;
-                        continue;
-                    }
-                    largest = std::max(largest, number);
-                    layer.smallest = std::min(layer.smallest, number);
+                    read_matrix(grid, place, largest, layer);
+                } else {
+                    read_channels(grid, place, largest, layer);
                 }
             }
         }
@@ -147,7 +160,7 @@ inline void BlockMaxima::refuse(const VoxelGrid& grid, std::size_t place, const 
     const auto ny = static_cast<std::size_t>(grid.resolution().y);
     const Vector3i at = first + Vector3i(voxel % nx, voxel / nx % ny, voxel / nx / ny);
     if (grid.has_matrices()) {
-        const SymmetricMatrix s = grid.matrix(at - first);
+        const SymmetricMatrix s = grid.matrix(place);
         throw Error(fmt::format(
             "{}: voxel ({}, {}, {}) is the matrix {:g}, {:g}, {:g}, {:g}, {:g}, {:g} (xx, yy, zz, "
             "xy, xz, yz); matrices must be positive definite, or zero",

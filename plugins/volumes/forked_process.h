@@ -8,7 +8,6 @@
 
 #include "core/base/error.h"
 
-#include <fmt/format.h>
 #include <sys/types.h>
 
 #include <cstdint>

@@ -74,8 +74,8 @@ public:
         return {number(at), number(at + 1), number(at + 2)};
     }
     bool has_matrices() const { return channels_ == 6; }
-    SymmetricMatrix matrix(Vector3i voxel) const {
-        const std::size_t at = place(voxel);
+    /// That of the voxel whose first number is at a place.
+    SymmetricMatrix matrix(std::size_t at) const {
         return {.xx = number(at),
                 .yy = number(at + 1),
                 .zz = number(at + 2),
@@ -85,7 +85,7 @@ public:
     }
     /// The largest channel, or eigenvalue.
     float largest(Vector3i voxel) const {
-        if (has_matrices()) return static_cast<float>(eigenvalues(matrix(voxel)).largest);
+        if (has_matrices()) return static_cast<float>(eigenvalues(matrix(place(voxel))).largest);
         const std::size_t at = place(voxel);
         return channels_ == 1 ? number(at) : max_component(color(voxel));
     }

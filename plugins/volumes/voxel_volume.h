@@ -22,7 +22,8 @@ public:
     }
     bool has_matrices() const override { return grid_.has_matrices(); }
     SymmetricMatrix matrix(Vector3 p) const override {
-        return at<SymmetricMatrix>(p, [this](Vector3i voxel) { return grid_.matrix(voxel); });
+        return at<SymmetricMatrix>(
+            p, [this](Vector3i voxel) { return grid_.matrix(grid_.place(voxel)); });
     }
     Bounds3 bounds() const override { return bounds_; }
     glm::ivec3 resolution() const override {

@@ -2,11 +2,12 @@
 /// How long it takes to load: a mesh of a million triangles as PLY and as OBJ, and a scene of
 /// 100,000 shapes. Processor seconds, and the memory of the process after each.
 ///
-///     loading_benchmark [folder for the files, by default a temporary one]
+///     loading_benchmark
 #include "core/description/xml_reader.h"
 #include "core/render/statistics.h"
 #include "core/scene/builder.h"
 #include "tests/benchmarks/benchmark_scenes.h"
+#include "tests/paths.h"
 
 #include <fmt/format.h>
 #include <fmt/os.h>
@@ -105,14 +106,10 @@ void run(const fs::path& folder) {
 
 }  // namespace lucerna
 
-int main(int argc, char** argv) {
-    namespace fs = std::filesystem;
-    const bool temporary = argc < 2;
-    const fs::path folder = temporary ? fs::temp_directory_path() / "lucerna_loading" : argv[1];
+int main() {
     try {
-        fs::create_directories(folder);
-        lucerna::run(folder);
-        if (temporary) fs::remove_all(folder);
+        const lucerna::TemporaryFolder folder;
+        lucerna::run(folder.path());
         return 0;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "%s\n", e.what());

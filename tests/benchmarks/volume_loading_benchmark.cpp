@@ -3,11 +3,12 @@
 /// `.vdb`: seconds, the largest memory of the process beyond what it had before, and that of the
 /// process that reads `.vdb` files.
 ///
-///     volume_loading_benchmark [folder for the files, by default a temporary one]
+///     volume_loading_benchmark
 #include "core/description/xml_reader.h"
 #include "core/interfaces/volume.h"
 #include "core/plugin/registry.h"
 #include "core/scene/builder.h"
+#include "tests/paths.h"
 #include "tests/vol_writer.h"
 
 #include <fmt/format.h>
@@ -140,14 +141,10 @@ void run(const fs::path& folder) {
 
 }  // namespace lucerna
 
-int main(int argc, char** argv) {
-    namespace fs = std::filesystem;
-    const bool temporary = argc < 2;
-    const fs::path folder = temporary ? fs::temp_directory_path() / "lucerna_volumes" : argv[1];
+int main() {
     try {
-        fs::create_directories(folder);
-        lucerna::run(folder);
-        if (temporary) fs::remove_all(folder);
+        const lucerna::TemporaryFolder folder;
+        lucerna::run(folder.path());
         return 0;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "%s\n", e.what());
