@@ -11,10 +11,12 @@ Medium::Medium(const Params& params)
 
 Medium::~Medium() = default;
 
-void Medium::turn(MediumPoint& point, Vector3 p, Vector3 w) const {
+MediumPoint Medium::turned(Vector3 p, Vector3 w) const {
+    MediumPoint point = coefficients(p);
     const float area = phase_->projected_area(p, w);
     point.sigma_s *= area;
     point.sigma_t *= area;
+    return point;
 }
 
 }  // namespace lucerna

@@ -29,9 +29,7 @@ public:
     /// At a point of the world, inside of the majorants' grid if there is one, for light along the
     /// unit vector `w`, either way.
     MediumPoint at(Vector3 p, Vector3 w) const {
-        MediumPoint point = coefficients(p);
-        if (oriented_) turn(point, p, w);
-        return point;
+        return oriented_ ? turned(p, w) : coefficients(p);
     }
     /// Null if the medium is the same at every point.
     virtual const MajorantGrid* majorants() const { return nullptr; }
@@ -48,7 +46,7 @@ public:
 private:
     /// At a point of the world, for particles whose projected area is 1.
     virtual MediumPoint coefficients(Vector3 p) const = 0;
-    void turn(MediumPoint& point, Vector3 p, Vector3 w) const;
+    MediumPoint turned(Vector3 p, Vector3 w) const;
 
     const Phase* phase_;
     bool oriented_;
