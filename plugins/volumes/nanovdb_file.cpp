@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/volumes/nanovdb_file.h"
 
-#include "plugins/volumes/vdb_bytes.h"
+#include "plugins/volumes/nanovdb_stream.h"
 
-#include <blosc.h>
 #include <nanovdb/NanoVDB.h>
 #include <nanovdb/util/IO.h>
-#include <zlib.h>
 
+#include <algorithm>
 #include <set>
 
 namespace lucerna {
@@ -16,7 +15,7 @@ namespace {
 
 using nanovdb::GridClass;
 using nanovdb::GridType;
-using nanovdb::io::Codec;
+using Codec = StoredGrid::Codec;
 
 constexpr std::uint64_t header_size = sizeof(nanovdb::io::Header);
 constexpr std::uint64_t metadata_size = sizeof(nanovdb::io::MetaData);
@@ -26,8 +25,7 @@ struct GridEntry {
     std::string name;
     GridType type;
     GridClass grid_class;
-    Codec codec;
-    std::uint64_t offset, stored_size, size;  ///< [bytes]
+    StoredGrid stored;
 };
 
 /// The head of a file is that of NanoVDB.h, but for types that cannot be made of any bytes.
@@ -53,7 +51,7 @@ std::vector<GridEntry> read_entries(const VdbBytes& file) {
         if (const std::uint32_t major = header.version >> 21; major != 32) {
             file.fail(fmt::format("version {} of the format cannot be read, only 32", major));
         }
-        if (header.codec > static_cast<std::uint16_t>(Codec::BLOSC)) {
+        if (header.codec > static_cast<std::uint16_t>(Codec::blosc)) {
             file.fail(
                 fmt::format("compression {} is unknown; there are 0 (none), 1 (zip) and 2 "
                             "(blosc)",
@@ -67,10 +65,10 @@ std::vector<GridEntry> read_entries(const VdbBytes& file) {
                 std::memcpy(&value, metadata.data() + at, sizeof value);
             };
             GridEntry entry{};
-            entry.codec = static_cast<Codec>(header.codec);
+            entry.stored.codec = static_cast<Codec>(header.codec);
             std::uint32_t name_size;
-            get(entry.size, offsetof(nanovdb::io::MetaData, gridSize));
-            get(entry.stored_size, offsetof(nanovdb::io::MetaData, fileSize));
+            get(entry.stored.size, offsetof(nanovdb::io::MetaData, gridSize));
+            get(entry.stored.stored_size, offsetof(nanovdb::io::MetaData, fileSize));
             get(entry.type, offsetof(nanovdb::io::MetaData, gridType));
             get(entry.grid_class, offsetof(nanovdb::io::MetaData, gridClass));
             get(name_size, offsetof(nanovdb::io::MetaData, nameSize));
@@ -80,128 +78,57 @@ std::vector<GridEntry> read_entries(const VdbBytes& file) {
             entries.push_back(std::move(entry));
         }
         for (std::size_t i = first; i < entries.size(); ++i) {
-            file.check(offset, entries[i].stored_size);
-            entries[i].offset = offset;
-            offset += entries[i].stored_size;
+            StoredGrid& stored = entries[i].stored;
+            file.check(offset, stored.stored_size);
+            stored.offset = offset;
+            offset += stored.stored_size;
         }
     }
     return entries;
 }
 
-/// The grid as it lies in memory: NanoVDB aligns nodes to 32 bytes.
-class GridMemory {
-public:
-    explicit GridMemory(std::uint64_t size) : size_(size), blocks_((size + 31) / 32) {}
-
-    std::span<std::uint8_t> bytes() {
-        return {reinterpret_cast<std::uint8_t*>(blocks_.data()), size_};
-    }
-    /// What begins at an offset, with `more` bytes behind it; null if the grid does not hold that.
-    template <typename T>
-    const T* at(std::int64_t offset, std::uint64_t more = 0) const {
-        const auto place = static_cast<std::uint64_t>(offset);
-        const bool inside = offset >= 0 && place % alignof(T) == 0 && sizeof(T) <= size_ &&
-                            place <= size_ - sizeof(T) && more <= size_ - sizeof(T) - place;
-        const auto* const bytes = reinterpret_cast<const std::uint8_t*>(blocks_.data());
-        return inside ? reinterpret_cast<const T*>(bytes + place) : nullptr;
-    }
-
-private:
-    struct alignas(32) Block {
-        std::array<std::uint8_t, 32> bytes;
-    };
-    std::uint64_t size_;
-    std::vector<Block> blocks_;
-};
-
-void unzip(std::span<const std::uint8_t> from, std::span<std::uint8_t> to, const VdbBytes& file) {
-    uLongf size = to.size();
-    if (uncompress(to.data(), &size, from.data(), from.size()) != Z_OK || size != to.size()) {
-        file.fail("its compressed (zip) grid is damaged");
-    }
-}
-
-void unblosc(std::span<const std::uint8_t> from, std::span<std::uint8_t> to, const VdbBytes& file) {
-    std::size_t size = 0;
-    const bool valid =
-        blosc_cbuffer_validate(from.data(), from.size(), &size) == 0 && size == to.size() &&
-        blosc_decompress_ctx(from.data(), to.data(), to.size(), 1) == static_cast<int>(to.size());
-    if (!valid) file.fail("its compressed (blosc) grid is damaged");
-}
-
-/// Compressed grids are parts with a size before each: one of zip, of blosc one for each GiB.
-void read_compressed(const VdbBytes& file, const GridEntry& entry, std::span<std::uint8_t> to) {
-    const bool zip = entry.codec == Codec::ZIP;
-    const std::size_t part = zip ? to.size() : std::size_t{nanovdb::io::Internal::MAX_SIZE};
-    std::uint64_t offset = entry.offset;
-    std::vector<std::uint8_t> stored;
-    while (!to.empty()) {
-        const auto stored_size = file.value<std::uint64_t>(offset);
-        offset += sizeof stored_size;
-        file.check(offset, stored_size);
-        stored.resize(stored_size);
-        file.read(offset, stored);
-        offset += stored_size;
-        const std::size_t count = std::min(part, to.size());
-        (zip ? unzip : unblosc)(stored, to.first(count), file);
-        to = to.subspan(count);
-    }
-}
-
-GridMemory read_memory(const VdbBytes& file, const GridEntry& entry, std::uint64_t memory) {
+void check_size(const VdbBytes& file, const GridEntry& entry) {
     // No file of zlib's becomes larger than by 1032, none of blosc's, as NanoVDB writes it, by 255.
-    const std::uint64_t factor = entry.codec == Codec::NONE ? 1 : 1032;
-    if (entry.size / factor > entry.stored_size) {
+    const auto& [codec, offset, stored_size, size] = entry.stored;
+    if (size / (codec == Codec::none ? 1 : 1032) > stored_size) {
         file.fail(fmt::format("grid {}, stored in {} bytes, cannot have {}", quote(entry.name),
-                              entry.stored_size, entry.size));
-    }
-    const std::string too_large = fmt::format("grid {} needs {} bytes, more than this machine has",
-                                              quote(entry.name), entry.size);
-    if (entry.size >= memory) file.fail(too_large);
-    try {
-        GridMemory grid(entry.size);
-        if (entry.codec == Codec::NONE) {
-            file.read(entry.offset, grid.bytes());
-        } else {
-            read_compressed(file, entry, grid.bytes());
-        }
-        return grid;
-    } catch (const std::bad_alloc&) {
-        file.fail(too_large);
+                              stored_size, size));
     }
 }
 
-/// Follows the nodes of a grid and writes their values into a dense one.
+/// Follows the nodes of a grid and writes their values into a dense one: level by level, each in
+/// the order of the file, which is decoded once if its levels are in order, too.
 template <typename Build>
 class TreeReader {
 public:
-    TreeReader(const GridMemory& memory, std::string what)
-        : memory_(memory), what_(std::move(what)) {}
+    TreeReader(GridStream& stream, std::string what) : stream_(stream), what_(std::move(what)) {}
 
     VdbGrid read(std::uint64_t memory) {
-        const auto& grid = *at<nanovdb::GridData>(0);
+        const Transform transform = world_from_index(at<nanovdb::GridData>(0).mMap);
         constexpr auto tree_offset = static_cast<std::int64_t>(sizeof(nanovdb::GridData));
-        const auto& tree = *at<nanovdb::TreeData<3>>(tree_offset);
-        const std::int64_t offset = sum(tree_offset, tree.mNodeOffset[3]);
-        const auto& root = *at<Root>(offset);
-        const std::uint64_t tiles = sizeof(Tile) * std::uint64_t{root.mTableSize};
-        at<Root>(offset, tiles);
-
+        const std::int64_t offset =
+            sum(tree_offset, at<nanovdb::TreeData<3>>(tree_offset).mNodeOffset[3]);
+        const auto& root = at<Root>(offset);
+        const std::int64_t tiles = root.mTableSize;
+        const Value background = root.mBackground;
         dense_ = dense_grid({vector(root.mBBox.min()), vector(root.mBBox.max())}, channels,
-                            world_from_index(grid.mMap), what_, memory);
+                            transform, what_, memory);
         end_ = dense_.first + dense_.voxels.resolution();
-        if (root.mBackground != Value(0)) fill({dense_.first, end_ - 1}, root.mBackground);
+        if (background != Value(0)) fill({dense_.first, end_ - 1}, background);
         std::set<typename Root::KeyT> keys;
-        for (std::uint32_t i = 0; i < root.mTableSize; ++i) {
-            const Tile& tile = *root.tile(i);
+        std::vector<Place> children;
+        for (std::int64_t i = 0; i < tiles; ++i) {
+            constexpr std::int64_t head = sizeof(Root), size = sizeof(Tile);
+            const auto& tile = at<Tile>(sum(offset, head + i * size));
             if (!keys.insert(tile.key).second) fail("two nodes have one place");
             const Vector3i origin = vector(tile.origin());
             if (tile.isChild()) {
-                copy<Upper>(sum(offset, tile.child), origin);
+                add<Upper>(children, offset, tile.child, origin);
             } else {
                 fill(cube<Upper>(origin), tile.value);
             }
         }
+        copy<Upper>(std::move(children));
         return std::move(dense_);
     }
 
@@ -215,13 +142,25 @@ private:
     static constexpr int channels = std::is_same_v<Value, float> ? 1 : 3;
     template <typename Node>
     static constexpr int width = static_cast<int>(Node::DIM);
+    /// Of a node: offset in the grid, least index.
+    struct Place {
+        std::int64_t offset;
+        Vector3i origin;
+    };
 
-    /// The node at an offset, which is inside of the grid.
+    /// The node at an offset, with `more` bytes behind it, which is inside of the grid; valid until
+    /// the next call.
     template <typename T>
-    const T* at(std::int64_t offset, std::uint64_t more = 0) const {
-        const T* const found = memory_.at<T>(offset, more);
-        if (!found) fail("a node lies outside of it");
-        return found;
+    const T& at(std::int64_t offset, std::uint64_t more = 0) {
+        const auto place = static_cast<std::uint64_t>(offset);
+        const std::uint64_t size = stream_.size(), count = sizeof(T) + more;
+        if (offset < 0 || place % alignof(T) != 0 || count > size || place > size - count) {
+            fail("a node lies outside of it");
+        }
+        node_.resize((count + sizeof(Block) - 1) / sizeof(Block));
+        const std::span<const std::uint8_t> bytes = stream_.read(place, count);
+        std::memcpy(node_.data(), bytes.data(), bytes.size());
+        return *reinterpret_cast<const T*>(node_.data());
     }
     /// Offsets are any numbers: a sum that is no integer is no place either.
     template <typename Offset>
@@ -255,40 +194,54 @@ private:
         return {glm::max(box.min, dense_.first), glm::min(box.max, end_ - 1)};
     }
 
-    /// The values of a node and of all below it.
-    template <typename Node>
-    void copy(std::int64_t offset, Vector3i origin) {
+    /// A child of the node at `parent`, unless the dense grid holds nothing of it.
+    template <typename Node, typename Offset>
+    void add(std::vector<Place>& children, std::int64_t parent, Offset child,
+             Vector3i origin) const {
         const VoxelBox needed = inside(cube<Node>(origin));
         if (glm::any(glm::greaterThan(needed.min, needed.max))) return;
+        children.push_back({sum(parent, child), origin});
+    }
+
+    /// The values of nodes of one level and of all below them.
+    template <typename Node>
+    void copy(std::vector<Place> places) {
+        std::ranges::sort(places, {}, &Place::offset);
         if constexpr (Node::LEVEL == 0) {
-            copy_leaf(offset, origin, needed);
+            for (const Place& place : places) copy_leaf(place);
         } else {
             using Child = typename Node::ChildNodeType;
-            const auto& node = *at<typename Node::DataType>(offset);
-            constexpr int log2 = Node::LOG2DIM, mask = (1 << log2) - 1;
-            for (int i = 0; i < 1 << 3 * log2; ++i) {
-                const Vector3i child(i >> 2 * log2, i >> log2 & mask, i & mask);
-                const Vector3i place = origin + width<Child> * child;
-                const auto index = static_cast<std::uint32_t>(i);
-                if (node.isChild(index)) {
-                    copy<Child>(sum(offset, node.mTable[index].child), place);
-                } else {
-                    fill(cube<Child>(place), node.getValue(index));
+            std::vector<Place> children;
+            for (const Place& place : places) {
+                const auto& node = at<typename Node::DataType>(place.offset);
+                constexpr int log2 = Node::LOG2DIM, mask = (1 << log2) - 1;
+                for (int i = 0; i < 1 << 3 * log2; ++i) {
+                    const Vector3i child(i >> 2 * log2, i >> log2 & mask, i & mask);
+                    const Vector3i origin = place.origin + width<Child> * child;
+                    const auto index = static_cast<std::uint32_t>(i);
+                    if (node.isChild(index)) {
+                        add<Child>(children, place.offset, node.mTable[index].child, origin);
+                    } else {
+                        fill(cube<Child>(origin), node.getValue(index));
+                    }
                 }
             }
+            places = {};
+            copy<Child>(std::move(children));
         }
     }
 
-    void copy_leaf(std::int64_t offset, Vector3i origin, const VoxelBox& needed) {
-        const auto& leaf = *at<typename Leaf::DataType>(offset);
+    void copy_leaf(const Place& place) {
+        using Data = typename Leaf::DataType;
+        const Data* leaf = &at<Data>(place.offset);
         if constexpr (std::is_same_v<Build, nanovdb::FpN>) {
-            if (leaf.mFlags >> 5 > 4) fail("values have more than 16 bits");
-            at<typename Leaf::DataType>(offset, std::uint64_t{64} * leaf.bitWidth());
+            if (leaf->mFlags >> 5 > 4) fail("values have more than 16 bits");
+            leaf = &at<Data>(place.offset, std::uint64_t{64} * leaf->bitWidth());
         }
-        for_each(needed, [&](Vector3i index) {
-            const Vector3i in_leaf = index - origin;
+        for_each(inside(cube<Leaf>(place.origin)), [&](Vector3i index) {
+            const Vector3i in_leaf = index - place.origin;
             const int i = in_leaf.x << 6 | in_leaf.y << 3 | in_leaf.z;
-            set(index, leaf.getValue(static_cast<std::uint32_t>(i)));
+            set(index, leaf->getValue(static_cast<std::uint32_t>(i)));
         });
     }
     void fill(const VoxelBox& box, const Value& value) {
@@ -313,8 +266,13 @@ private:
         }
     }
 
-    const GridMemory& memory_;
-    std::string what_;  ///< begins messages
+    struct alignas(32) Block {
+        std::array<std::uint8_t, 32> bytes;
+    };
+
+    GridStream& stream_;
+    std::string what_;         ///< begins messages
+    std::vector<Block> node_;  ///< that was read last; NanoVDB aligns nodes to 32 bytes
     VdbGrid dense_;
     Vector3i end_{0};  ///< index after that of the last voxel of the dense grid
 };
@@ -329,8 +287,17 @@ std::string name_of(GridClass grid_class) {
 }
 
 template <typename Build>
-VdbGrid read_tree(const GridMemory& memory, const std::string& what, std::uint64_t bytes) {
-    return TreeReader<Build>(memory, what).read(bytes);
+VdbGrid read_tree(const VdbBytes& file, const GridEntry& entry, const std::string& what,
+                  std::uint64_t memory) {
+    GridStream stream(file, entry.stored);
+    try {
+        VdbGrid grid = TreeReader<Build>(stream, what).read(memory);
+        stream.finish();
+        return grid;
+    } catch (const Error&) {
+        stream.finish();  // what a damaged grid says is no cause
+        throw;
+    }
 }
 
 VdbGrid read_grid(const VdbBytes& file, const std::string& wanted, std::uint64_t memory) {
@@ -340,20 +307,20 @@ VdbGrid read_grid(const VdbBytes& file, const std::string& wanted, std::uint64_t
     const GridEntry& entry = entries[choose_grid(names, wanted, file.name())];
     const std::string what = fmt::format("{}: grid {}", file.name(), quote(entry.name));
     check_class(what, name_of(entry.grid_class));
-    const GridMemory grid = read_memory(file, entry, memory);
+    check_size(file, entry);
     switch (entry.type) {
         case GridType::Float:
-            return read_tree<float>(grid, what, memory);
+            return read_tree<float>(file, entry, what, memory);
         case GridType::Vec3f:
-            return read_tree<nanovdb::Vec3f>(grid, what, memory);
+            return read_tree<nanovdb::Vec3f>(file, entry, what, memory);
         case GridType::Fp4:
-            return read_tree<nanovdb::Fp4>(grid, what, memory);
+            return read_tree<nanovdb::Fp4>(file, entry, what, memory);
         case GridType::Fp8:
-            return read_tree<nanovdb::Fp8>(grid, what, memory);
+            return read_tree<nanovdb::Fp8>(file, entry, what, memory);
         case GridType::Fp16:
-            return read_tree<nanovdb::Fp16>(grid, what, memory);
+            return read_tree<nanovdb::Fp16>(file, entry, what, memory);
         case GridType::FpN:
-            return read_tree<nanovdb::FpN>(grid, what, memory);
+            return read_tree<nanovdb::FpN>(file, entry, what, memory);
         default:
             throw Error(
                 fmt::format("{} has values of type {}; a volume is read from float, Vec3f, "

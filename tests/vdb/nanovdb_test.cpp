@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// NanoVDB files, right and wrong, against the library's own sampler.
 #include "plugins/volumes/nanovdb_file.h"
+#include "plugins/volumes/nanovdb_stream.h"
 #include "tests/vdb/vdb_volumes.h"
 
 // The library can then write these.
@@ -115,6 +116,29 @@ TEST(NanoVdbFile, CompressionsChangeNothing) {
     EXPECT_TRUE(std::ranges::equal(read(newer).voxels.bytes(), plain.voxels.bytes()));
 }
 
+/// Nodes may lie in any order.
+TEST(NanoVdbFile, ReadsInAnyOrderAreThoseOfTheGrid) {
+    const Bytes plain = file_of(fog());
+    const std::size_t size = fog().size(), head = plain.size() - size;
+    for (const Codec codec : {Codec::NONE, Codec::ZIP, Codec::BLOSC}) {
+        const Bytes file = compressed(codec);
+        const VdbBytes bytes(file, "a");
+        const StoredGrid grid{static_cast<StoredGrid::Codec>(codec), head, file.size() - head,
+                              size};
+        GridStream stream(bytes, grid);
+        Rng rng(13);
+        for (int i = 0; i < 100; ++i) {
+            const auto offset =
+                static_cast<std::size_t>(rng.next_float() * static_cast<float>(size));
+            const auto count =
+                static_cast<std::size_t>(rng.next_float() * static_cast<float>(size - offset));
+            EXPECT_TRUE(std::ranges::equal(stream.read(offset, count),
+                                           std::span(plain).subspan(head + offset, count)))
+                << offset << " " << count;
+        }
+    }
+}
+
 TEST(NanoVdbFile, GridsAreFoundByNameInAnySegment) {
     Bytes file = file_of(fog("heat"), fog("density"));
     const Bytes more = file_of(fog("flames"));
@@ -181,6 +205,27 @@ TEST(NanoVdbFile, L15_FilesThatLieAreReadOrRefused) {
     expect_damage_is_survived(read, file_of(fog<nanovdb::FpN>()));
     expect_damage_is_survived(read, compressed(Codec::ZIP));
     expect_damage_is_survived(read, compressed(Codec::BLOSC));
+}
+
+/// Whatever the damaged bytes say, and also in the checksum at the end. A copy of zeros from
+/// elsewhere is no damage.
+TEST(NanoVdbFile, L15_DamageIsThatOfTheCompression) {
+    const Bytes right = compressed(Codec::ZIP);
+    const VdbGrid grid = read(right);
+    const std::size_t head = file_of(fog()).size() - fog().size() + sizeof(std::uint64_t);
+    int refused = 0;
+    for (std::size_t at = head; at < right.size(); at += right.size() - 1 - at < 199 ? 1 : 199) {
+        Bytes file = right;
+        file[at] ^= 0x10;
+        try {
+            const VdbGrid same = read(file);
+            EXPECT_TRUE(std::ranges::equal(same.voxels.bytes(), grid.voxels.bytes())) << at;
+        } catch (const Error& error) {
+            EXPECT_STREQ(error.what(), "a: its compressed (zip) grid is damaged") << at;
+            ++refused;
+        }
+    }
+    EXPECT_GT(refused, 150);
 }
 
 /// Offsets of nodes: where TreeData says that the root is.
