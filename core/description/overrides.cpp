@@ -7,6 +7,14 @@ namespace lucerna {
 
 namespace {
 
+/// What an object has if the scene does not say so: its parameters can be set all the same.
+struct Implied {
+    std::string_view parent, kind, type;
+};
+constexpr std::array implied{Implied{"scene", "sensor", "perspective"},
+                             Implied{"sensor", "film", "hdrfilm"},
+                             Implied{"sensor", "sampler", "sobol"}};
+
 /// One override while it is applied.
 class Override {
 public:
@@ -66,11 +74,15 @@ private:
     Element* descend(Element& parent, std::string_view step, std::size_t offset) {
         const std::vector<Child*> found = matches(parent, step);
         if (found.size() == 1) return found.front()->element;
-        if (found.empty()) {
-            report_unknown(parent, step, offset);
-        } else {
+        if (!found.empty()) {
             report_ambiguous(found, step, offset);
+            return nullptr;
         }
+        for (const Implied& object : implied) {
+            if (object.parent != parent.kind || object.kind != step || parent.incomplete) continue;
+            return add(parent, step, object.type, offset);
+        }
+        report_unknown(parent, step, offset);
         return nullptr;
     }
 
@@ -87,7 +99,10 @@ private:
             const bool named = found.size() == 1 && found.front()->element->kind != step;
             if (found.size() > 1) return report_ambiguous(found, step, offset);
             if (found.size() == 1 && !named) return set_type(*found.front()->element);
-            if (found.empty()) return create(element, step, offset);
+            if (found.empty()) {
+                if (check_type()) add(element, step, value_, offset);
+                return;
+            }
         }
         if (is_root) return report_unknown(element, step, offset);
         // A texture gives way to a plain value.
@@ -101,14 +116,15 @@ private:
         element.type_overridden = true;
     }
 
-    void create(Element& parent, std::string_view kind, std::size_t offset) {
-        if (!check_type()) return;
+    Element* add(Element& parent, std::string_view kind, std::string_view type,
+                 std::size_t offset) {
         const Location where{&source_, offset};
         Element& element = description_.elements.emplace_back();
         element.kind = kind;
-        element.type = value_;
+        element.type = type;
         element.where = where;
         parent.children.push_back({"", &element, where});
+        return &element;
     }
 
     bool check_type() {

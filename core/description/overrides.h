@@ -9,6 +9,7 @@
 ///   integrator.max_depth=8          a parameter
 ///   integrator.light_sampler=power  the type of a nested object, which is made if there is none
 ///   white.reflectance=0.5           a parameter of the element with id "white"
+///   sensor.film.width=320           also where sensor or film are not in the scene
 #pragma once
 
 #include "core/description/description.h"

@@ -56,6 +56,15 @@ TEST_F(RenderCommandTest, scene_can_be_changed) {
     for (const float x : plane("dark.exr")) EXPECT_EQ(x, 0);
 }
 
+TEST_F(RenderCommandTest, resolution_of_a_scene_without_a_film) {
+    write("scene.xml",
+          "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'/></scene>");
+    render({"-q", "--resolution", "20x10", "--spp", "1"});
+    const ImageFile picture = read_exr(folder / "scene.exr");
+    EXPECT_EQ(picture.width, 20);
+    EXPECT_EQ(picture.height, 10);
+}
+
 TEST_F(RenderCommandTest, json_holds_the_figures) {
     const std::string output = render({"--json", "--seed", "12"});
     for (const char* word : {"\"schema\": 1", "\"samples_per_pixel\": 4", "\"seed\": 12",

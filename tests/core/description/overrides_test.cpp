@@ -3,6 +3,7 @@
 
 #include "tests/core/description/reading.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace lucerna {
@@ -79,6 +80,26 @@ TEST(Overrides, ReplaceTypes) {
     EXPECT_EQ(text_of(sampler, "sample_count"), "4");
     EXPECT_EQ(child(d, 0).children.at(0).element->kind, "light_sampler");
     EXPECT_FALSE(child(with({"integrator=path"}), 0).type_overridden);
+}
+
+/// --resolution sets the last two, one after the other.
+TEST(Overrides, ReachWhatASceneHasWithoutSayingSo) {
+    ReadOptions options;
+    options.overrides = {"sensor.sampler.sample_count=4", "sensor.film.width=8",
+                         "sensor.film.height=6"};
+    for (const char* sensor : {"", "<sensor type=\"perspective\"/>"}) {
+        const Description d =
+            read_valid(fmt::format("<scene version=\"3.0.0\">{}</scene>", sensor), options);
+        ASSERT_EQ(d.root->children.size(), 1u);
+        const Element& camera = child(d, 0);
+        EXPECT_EQ(camera.type, "perspective");
+        ASSERT_EQ(camera.children.size(), 2u);
+        const Element &sampler = *camera.children[0].element, &film = *camera.children[1].element;
+        EXPECT_EQ(text_of(sampler, "sample_count"), "4");
+        EXPECT_EQ(film.type, "hdrfilm");
+        EXPECT_EQ(text_of(film, "width"), "8");
+        EXPECT_EQ(text_of(film, "height"), "6");
+    }
 }
 
 TEST(Overrides, AValueTakesThePlaceOfATexture) {
