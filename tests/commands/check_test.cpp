@@ -63,6 +63,7 @@ const std::map<std::string, std::vector<std::string>> needs = {
     {"bsdf/twosided", {"bsdf=plastic"}},
     {"emitter/envmap", {"filename=grey.png"}},
     {"emitter/sunsky", {"sun_aperture=20"}},  // or few rays meet the sun by chance
+    {"phase/blendphase", {"--inside", "<phase type='sggx'/><phase type='hg'/>", "weight=0.3"}},
     {"sensor/thinlens", {"aperture_radius=0.1", "focus_distance=3"}},
     {"bsdf/hair", {}},  // the adjoint over the width of a fibre only, not at each point
     {"shape/bsplinecurve", {}},
@@ -82,8 +83,8 @@ const std::map<std::string, std::vector<std::string>> needs = {
 
 TEST_F(CheckCommandTest, all_plugins_keep_their_contracts) {
     int checked = 0;
-    for (const char* kind :
-         {"bsdf", "light_sampler", "shape", "emitter", "texture", "sensor", "sampler", "rfilter"}) {
+    for (const char* kind : {"bsdf", "light_sampler", "shape", "emitter", "texture", "phase",
+                             "sensor", "sampler", "rfilter"}) {
         for (const std::string& name : Registry().names(kind)) {
             const std::string plugin = std::string(kind) + "/" + name;
             const auto found = needs.find(plugin);
@@ -117,6 +118,15 @@ TEST_F(CheckCommandTest, light_sampler_that_forgets_lights_is_found) {
     EXPECT_THAT(outcome.output, HasSubstr("and is never drawn there"));
 }
 
+TEST_F(CheckCommandTest, phase_that_loses_light_is_found) {
+    const Outcome outcome = check_faulty("phase/absorbing");
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.output, testing::ContainsRegex("no light is lost or gained .*BROKEN"));
+    EXPECT_THAT(outcome.output, testing::ContainsRegex("0\\.9[78][0-9]* ± .*, expected 1"));
+    EXPECT_THAT(outcome.output, testing::ContainsRegex("scattering is reciprocal .*BROKEN"));
+    EXPECT_THAT(outcome.output, HasSubstr("\n2 of 8 "));
+}
+
 TEST_F(CheckCommandTest, wrong_area_is_found) {
     const Outcome outcome = check_faulty("shape/wrong_area");
     EXPECT_EQ(outcome.code, 1);
@@ -143,6 +153,7 @@ TEST_F(CheckCommandTest, element_of_a_scene_is_checked) {
 
 TEST_F(CheckCommandTest, picture_shows_what_is_sampled) {
     for (const auto& [plugin, width] : {std::pair{"bsdf/roughconductor", 1472},
+                                        {"phase/hg", 1472},
                                         {"light_sampler/power", 0},
                                         {"shape/sphere", 984},
                                         {"emitter/spot", 0},
@@ -168,7 +179,7 @@ TEST_F(CheckCommandTest, wrong_arguments_are_told) {
     };
     EXPECT_EQ(errors(2, {"diffuse"}),
               "lucerna check: expected a kind and a name, like bsdf/diffuse, not \"diffuse\"\n"
-              "  kinds are bsdf, light_sampler, shape, emitter, texture, sensor, sampler, "
+              "  kinds are bsdf, light_sampler, shape, emitter, texture, phase, sensor, sampler, "
               "rfilter\n");
     EXPECT_THAT(errors(2, {"bdsf/diffuse"}),
                 HasSubstr("there is no kind of plugin \"bdsf\"; did you mean \"bsdf\"?"));

@@ -5,6 +5,7 @@
 #include "plugins/commands/contracts/emitter.h"
 #include "plugins/commands/contracts/light_sampler.h"
 #include "plugins/commands/contracts/light_scenes.h"
+#include "plugins/commands/contracts/phase.h"
 #include "plugins/commands/contracts/rfilter.h"
 #include "plugins/commands/contracts/sampler.h"
 #include "plugins/commands/contracts/sensor.h"
@@ -70,6 +71,7 @@ std::vector<Evidence> contracts_of(Subject& subject, const Effort& effort) {
     const std::string& kind = subject.kind();
     if (kind == BSDF::kind) return contracts_alone<BSDF>(subject, effort);
     if (kind == Texture::kind) return contracts_alone<Texture>(subject, effort);
+    if (kind == Phase::kind) return contracts_alone<Phase>(subject, effort);
     if (kind == Sensor::kind) return contracts_alone<Sensor>(subject, effort);
     if (kind == RFilter::kind) return contracts_alone<RFilter>(subject, effort);
     if (kind == Sampler::kind) return contracts_of_sampler(subject, effort);

@@ -9,6 +9,7 @@
 #include "plugins/commands/contracts/shape.h"
 
 #include "core/interfaces/film.h"
+#include "core/interfaces/phase.h"
 #include "core/math/warp.h"
 
 namespace lucerna {
@@ -43,28 +44,59 @@ constexpr double per_sample(int samples) {
     return sphere_width * sphere_height / (4 * std::numbers::pi * samples);
 }
 
+/// Directions that are drawn, if any, their density, and what is scattered.
+std::vector<Panel> lobe_row(const std::function<std::optional<Vector3>(Rng&)>& draw,
+                            const std::function<double(Vector3)>& pdf,
+                            const std::function<double(Vector3)>& value, const Effort& effort) {
+    Field drawn(sphere_width, sphere_height);
+    Rng rng(effort.seed);
+    for (int i = 0; i < effort.samples; ++i) {
+        const std::optional<Vector3> wi = draw(rng);
+        if (wi) add_direction(drawn, *wi, per_sample(effort.samples));
+    }
+    const Field density = sphere_map(pdf), scattered = sphere_map(value);
+    const double white = density.largest() > 0 ? density.largest() : drawn.largest();
+    return {drawn.show(white), density.show(white), scattered.show(scattered.largest())};
+}
+
 Sheet draw_bsdf(const BSDF& bsdf, const Effort& effort) {
     Sheet sheet;
     const Interaction at = contracts::bsdf_surface();
+    constexpr TransportMode mode = TransportMode::radiance;
     for (const float cosine : {0.95f, 0.5f, -0.6f}) {
         const Vector3 wo = contracts::local_direction(cosine, 2.3f);
-        Field drawn(sphere_width, sphere_height);
-        Rng rng(effort.seed);
-        for (int i = 0; i < effort.samples; ++i) {
-            const auto s = contracts::draw(bsdf, at, wo, TransportMode::radiance, rng);
-            if (s) add_direction(drawn, s->wi, per_sample(effort.samples));
-        }
-        const auto value = [&](Vector3 wi) {
-            return bsdf.evaluate(at, wo, wi, TransportMode::radiance);
+        const auto draw = [&](Rng& rng) -> std::optional<Vector3> {
+            const auto s = contracts::draw(bsdf, at, wo, mode, rng);
+            return s ? std::optional(s->wi) : std::nullopt;
         };
-        const Field density =
-            sphere_map([&](Vector3 wi) { return static_cast<double>(value(wi).pdf); });
-        const Field scattered = sphere_map([&](Vector3 wi) {
-            return static_cast<double>(luminance(value(wi).f) * std::abs(wi.z));
-        });
-        const double white = density.largest() > 0 ? density.largest() : drawn.largest();
-        sheet.push_back(
-            {drawn.show(white), density.show(white), scattered.show(scattered.largest())});
+        const auto pdf = [&](Vector3 wi) {
+            return static_cast<double>(bsdf.evaluate(at, wo, wi, mode).pdf);
+        };
+        const auto value = [&](Vector3 wi) {
+            const Color f = bsdf.evaluate(at, wo, wi, mode).f;
+            return static_cast<double>(luminance(f) * std::abs(wi.z));
+        };
+        sheet.push_back(lobe_row(draw, pdf, value, effort));
+    }
+    return sheet;
+}
+
+Sheet draw_phase(const Phase& phase, const Effort& effort) {
+    Sheet sheet;
+    const Vector3 p(0);
+    for (const float cosine : {0.95f, 0.5f, -0.6f}) {
+        const Vector3 wo = contracts::local_direction(cosine, 2.3f);
+        const auto draw = [&](Rng& rng) -> std::optional<Vector3> {
+            const float u_lobe = rng.next_float();
+            return phase.sample(p, wo, u_lobe, rng.next_float2()).wi;
+        };
+        const auto pdf = [&](Vector3 wi) {
+            return static_cast<double>(phase.evaluate(p, wo, wi).pdf);
+        };
+        const auto value = [&](Vector3 wi) {
+            return static_cast<double>(phase.evaluate(p, wo, wi).f);
+        };
+        sheet.push_back(lobe_row(draw, pdf, value, effort));
     }
     return sheet;
 }
@@ -238,6 +270,7 @@ Sheet draw(Subject& subject, const Effort& effort) {
     if (kind == Emitter::kind) return draw_emitter(subject, effort);
     const MadeSubject made = subject.make();
     if (kind == BSDF::kind) return draw_bsdf(as<BSDF>(made), effort);
+    if (kind == Phase::kind) return draw_phase(as<Phase>(made), effort);
     if (kind == Texture::kind) return draw_texture(as<Texture>(made));
     if (kind == RFilter::kind) return draw_rfilter(as<RFilter>(made));
     if (kind == Sampler::kind) return draw_sampler(as<Sampler>(made));

@@ -10,6 +10,7 @@ namespace lucerna {
 /// Writes a PNG. Each row is one situation, with one scale of brightness:
 ///
 ///   bsdf           drawn directions, their density, f |cos θ|; the axes are azimuth and cos θ
+///   phase          the same, with f
 ///   light_sampler  frequencies of draws, pmf; a row for each point, a column for each light
 ///   shape          area samples in a view, and what rays through its pixels expect
 ///   emitter        particles on a ball, and its irradiance; azimuth and cos θ of the normal

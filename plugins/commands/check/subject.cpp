@@ -11,8 +11,9 @@ namespace lucerna {
 namespace {
 
 /// Kinds that have contracts which hold for any plugin by itself.
-const std::vector<std::string> checked_kinds = {"bsdf",    "light_sampler", "shape",   "emitter",
-                                                "texture", "sensor",        "sampler", "rfilter"};
+const std::vector<std::string> checked_kinds = {"bsdf",    "light_sampler", "shape",
+                                                "emitter", "texture",       "phase",
+                                                "sensor",  "sampler",       "rfilter"};
 
 /// The kind of "bsdf/toon", which must have contracts.
 std::string kind_of(const std::string& plugin) {
