@@ -68,10 +68,7 @@ public:
         : scene_(scene),
           light_sampler_(light_sampler),
           settings_(settings),
-          bsdf_samples_(settings.lights && settings.direct_light && !settings.media &&
-                                has_environment(scene)
-                            ? 1.0f
-                            : 0.0f),
+          environment_(has_environment(scene)),
           dimensions_(bsdf_dimensions + light_dimensions(light_sampler) +
                       settings.gather_dimensions + (settings.media ? medium_dimensions : 0)) {}
 
@@ -90,6 +87,7 @@ private:
         float seen_through = 1;  ///< of what lies before the first vertex
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
         int edges = 1;   ///< from vertex to vertex: what is gone straight through is none
+        bool gathered = false;  ///< looks for direct light only, and media emit none
         // In scenes with media alone:
         const Medium* medium = nullptr;  ///< in which the ray starts
         std::optional<Rng> rng{};
@@ -97,6 +95,7 @@ private:
     };
 
     void draw_numbers(Path& path, SampleStream& stream) const;
+    bool looks_for_light(const BSDF& bsdf) const;
     bool cross_medium(Path& path, PixelSample& result) const;
     bool arrive(Path& path, PixelSample& result) const;
 
@@ -107,11 +106,17 @@ private:
     const Scene& scene_;
     const LightSampler& light_sampler_;
     Settings settings_;
-    /// Rays of the BSDF that look for direct light where photons are stored: a matte surface finds
-    /// most of a sky better than light sampling does, but not lamps.
-    float bsdf_samples_;
+    bool environment_;
     std::uint32_t dimensions_;
 };
+
+/// Whether a surface that stores photons looks for direct light by a ray of its BSDF, too. A matte
+/// one finds most of a sky so, but not lamps, and a glossy one finds the reflections of lamps.
+inline bool CameraPathTracer::looks_for_light(const BSDF& bsdf) const {
+    constexpr Lobe glossy = Lobe::glossy_reflection | Lobe::glossy_transmission;
+    return settings_.lights && settings_.direct_light &&
+           (environment_ || any(bsdf.lobes() & glossy));
+}
 
 /// Of a step, for media.
 inline void CameraPathTracer::draw_numbers(Path& path, SampleStream& stream) const {
@@ -126,7 +131,7 @@ inline bool CameraPathTracer::cross_medium(Path& path, PixelSample& result) cons
     const MediumSegment way{path.medium, path.ray.o, path.ray.d, path.hit ? path.hit->t : infinity};
     const MediumPath through =
         settings_.media->cross(way, path.beta, path.edges, path.u_line, *path.rng);
-    result.radiance += through.radiance;
+    if (!path.gathered) result.radiance += through.radiance;
     if (path.edges == 1) path.seen_through *= luminance(through.beta) / luminance(path.beta);
     path.beta = through.beta;
     path.u_line = path.rng->next_float2();  // for what comes behind a surface that is no vertex
@@ -184,11 +189,11 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
         const Vector2 u_lobe_and_roulette = stream.next_2d();
         const BSDF& bsdf = *at.shape->bsdf();
         const bool gathers = stores_photons(bsdf);
-        const GatherPoint point{at,          wo,       path.edges,
-                                path.medium, path.rng, gathers ? bsdf_samples_ : 1.0f};
+        const bool looks = !gathers || looks_for_light(bsdf);
+        const GatherPoint point{at, wo, path.edges, path.medium, path.rng, looks ? 1.0f : 0.0f};
         if (gathers) {
             result.radiance += path.beta * gather(point);
-            if (!any(bsdf.lobes() & delta_lobes) && bsdf_samples_ == 0) return;
+            if (!any(bsdf.lobes() & delta_lobes) && !looks) return;
         } else if (settings_.lights) {
             result.radiance += path.beta * sample_lights(scene_, light_sampler_, point, stream);
         }
@@ -197,7 +202,7 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
         if (!next) return;
         const BSDFSample& sample = next->sample;
         const bool has_been_gathered = gathers && !sample.specular();
-        if (has_been_gathered && bsdf_samples_ == 0) return;
+        if (has_been_gathered && !looks) return;
         path.beta *= sample.weight;
         path.eta2 *= sqr(sample.eta);
         path.ray = next->ray;
@@ -210,6 +215,7 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
         }
         if (has_been_gathered) {
             path.edges = settings_.max_depth;  // but for direct light
+            path.gathered = true;
             arrive(path, result);
             return;
         }

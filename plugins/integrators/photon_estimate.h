@@ -41,6 +41,7 @@ struct PhotonLookup {
     static constexpr int max_count = 1024;
 
     int count = 0;  ///< the nearest ones that count, at most max_count; 0: all within the radius
+    float least_radius = 0;  ///< within which all count, even if they are more
     PhotonFilter filter = PhotonFilter::cone;
     int max_depth = 0;  ///< of a photon
 };
@@ -126,10 +127,10 @@ private:
     int capacity_, size_ = 0;
 };
 
-/// Radiance that leaves towards the viewer, from all within the radius of the map.
-inline Color radiance_within(const PhotonMap& map, const PhotonLookup& lookup,
+/// Radiance that leaves towards the viewer, from all within a radius, at most that of the map.
+inline Color radiance_within(const PhotonMap& map, float radius, const PhotonLookup& lookup,
                              const PhotonReceiver& receiver) {
-    float radius2 = sqr(map.radius());
+    float radius2 = sqr(radius);
     const float limit2 = radius2;
     Color sum(0);
     map.search(receiver.at().p, radius2, [&](const Photon& photon, float d2) {
@@ -143,7 +144,8 @@ inline Color radiance_within(const PhotonMap& map, const PhotonLookup& lookup,
 
 /// As above, from the nearest `lookup.count` photons. The farthest gives the radius and is not
 /// counted itself: only so is the estimate right on average, since the mean of 1 / A_k is
-/// density / (k − 1).
+/// density / (k − 1). That stays so where the radius is bounded, on both sides: up to any radius,
+/// the density is counted with the probability that k − 1 photons or more are within.
 inline Color radiance_nearest(const PhotonMap& map, const PhotonLookup& lookup,
                               const PhotonReceiver& receiver) {
     float radius2 = sqr(map.radius());
@@ -157,6 +159,9 @@ inline Color radiance_nearest(const PhotonMap& map, const PhotonLookup& lookup,
         nearest.add({distance2, &photon});
         if (nearest.full()) radius2 = nearest.farthest2();
     });
+    if (nearest.full() && radius2 < sqr(lookup.least_radius)) {
+        return radiance_within(map, lookup.least_radius, lookup, receiver);
+    }
     auto counted = nearest.all();
     if (nearest.full()) counted = counted.subspan(1);
     const float used2 = std::max(radius2, least_radius2);
@@ -172,7 +177,7 @@ inline Color photon_radiance(const PhotonMap& map, const PhotonLookup& lookup, c
     if (map.photons().empty() || !same_side(at, wo, at.to_local(wo))) return Color(0);
     const PhotonReceiver receiver(bsdf, at, wo);
     return lookup.count > 0 ? radiance_nearest(map, lookup, receiver)
-                            : radiance_within(map, lookup, receiver);
+                            : radiance_within(map, map.radius(), lookup, receiver);
 }
 
 }  // namespace lucerna

@@ -70,13 +70,14 @@ struct PhotonEnergy {
 
 /// What a pass of photons is.
 struct PhotonPass {
-    std::uint64_t key = 0;    ///< of its random numbers
-    std::uint64_t count = 0;  ///< of photons that are emitted, at least 1
-    int max_depth = 0;        ///< edges of the longest path
-    int rr_depth = 1;         ///< edges before roulette may end a path
-    PhotonKinds kinds = 0;    ///< that are visited
-    bool on_surfaces = true;  ///< whether photons are stored there
-    bool in_media = false;    ///< whether photons are stored there
+    std::uint64_t key = 0;        ///< of its random numbers
+    std::uint64_t count = 0;      ///< of photons that are emitted, at least 1
+    int max_depth = 0;            ///< edges of the longest path
+    int rr_depth = 1;             ///< edges before roulette may end a path
+    PhotonKinds kinds = 0;        ///< that are visited
+    bool on_surfaces = true;      ///< whether photons are stored there
+    bool in_media = false;        ///< whether photons are stored there
+    bool caustics_apart = false;  ///< those of surfaces are stored in a list of their own
 };
 
 /// A photon that arrives at a surface.

@@ -12,12 +12,14 @@ namespace lucerna {
 /// The result of many photons, in their order whatever the number of threads.
 struct StoredPhotons {
     std::vector<Photon> photons;   ///< on surfaces
+    std::vector<Photon> caustics;  ///< on surfaces, if the pass keeps them apart
     std::vector<Photon> in_media;  ///< where media scattered them
     PhotonEnergy energy;
     double emitted = 0;  ///< number of photons that left the lights
 
     void append(const StoredPhotons& other) {
         photons.insert(photons.end(), other.photons.begin(), other.photons.end());
+        caustics.insert(caustics.end(), other.caustics.begin(), other.caustics.end());
         in_media.insert(in_media.end(), other.in_media.begin(), other.in_media.end());
         energy += other.energy;
     }
@@ -31,7 +33,9 @@ public:
     void operator()(const PhotonHit& hit) const {
         if (!hit.stored || !pass_.on_surfaces) return;
         const float side = std::copysign(1.0f, glm::dot(hit.w, hit.at.n));
-        result_.photons.emplace_back(hit.at.p, hit.power, hit.w, side * hit.at.n, hit.depth);
+        const bool apart = pass_.caustics_apart && hit.kind == PhotonKind::caustic;
+        (apart ? result_.caustics : result_.photons)
+            .emplace_back(hit.at.p, hit.power, hit.w, side * hit.at.n, hit.depth);
         result_.energy.stored += static_cast<double>(luminance(hit.power));
     }
     void operator()(const MediumHit& hit) const {
@@ -65,6 +69,7 @@ inline void store_photons(const PhotonTracer& tracer, const PhotonPass& pass,
         for (StoredPhotons& chunk : before) {
             result.append(chunk);
             chunk.photons.clear();
+            chunk.caustics.clear();
             chunk.in_media.clear();
             chunk.energy = {};
         }

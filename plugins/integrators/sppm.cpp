@@ -6,10 +6,13 @@
 ///
 ///     r_i² = r_0² ∏ (j + α) / (j + 1)  for j = 1 … i,
 ///
-/// so variance falls as i^−α and bias as i^(α−1); their sum is least for α = 2/3. Photons in media
-/// have the same radius: the beam estimate blurs in two dimensions, too (Jarosz et al. 2011,
-/// "Progressive Photon Beams"; Knaus and Zwicker 2011, 5). Passes know
-/// nothing of each other: they can be split over machines, and merged, as samples of any render.
+/// so variance falls as i^−α and bias as i^(α−1); their sum is least for α = 2/3. Where photons are
+/// dense, less will do: the distance of photon number `lookup_size`, but no less than r_i / 6. So
+/// bias and variance are more alike in the focus of a caustic and around it. Caustics have a map of
+/// their own, since the density of other photons says nothing of them. Photons in media have the
+/// radius r_i: the beam estimate blurs in two dimensions, too (Jarosz et al. 2011, "Progressive
+/// Photon Beams"; Knaus and Zwicker 2011, 5). Passes know nothing of each other: they can be split
+/// over machines, and merged, as samples of any render.
 #include "plugins/integrators/photon_camera.h"
 #include "plugins/integrators/photon_estimate.h"
 #include "plugins/integrators/render_options.h"
@@ -31,14 +34,18 @@ public:
           photons_(params.integer("photon_count", 250000, {.min = 1, .max = 1e9},
                                   "photons that leave the lights in each pass")),
           initial_radius_(params.real("initial_radius", 0, non_negative,
-                                      "of the first pass [scene units]; 0: about four pixels")),
+                                      "largest of the first pass [scene units]; 0: about six "
+                                      "pixels, four in media")),
           alpha_(params.real("alpha", 2.0 / 3, {.min = 0, .max = 1, .open_min = true},
                              "how slowly the radius shrinks; 1 keeps it")),
-          filter_(params.choice<PhotonFilter>("filter", PhotonFilter::cone,
-                                              {{"none", PhotonFilter::none},
-                                               {"cone", PhotonFilter::cone},
-                                               {"gaussian", PhotonFilter::gaussian}},
-                                              "weight of photons over the distance")),
+          lookup_{
+              .count = params.int32("lookup_size", 16, {.min = 0, .max = PhotonLookup::max_count},
+                                    "nearest photons of an estimate; 0: all within the radius"),
+              .filter = params.choice<PhotonFilter>("filter", PhotonFilter::cone,
+                                                    {{"none", PhotonFilter::none},
+                                                     {"cone", PhotonFilter::cone},
+                                                     {"gaussian", PhotonFilter::gaussian}},
+                                                    "weight of photons over the distance")},
           structure_(params.choice<PhotonStructure>(
               "structure", PhotonStructure::grid,
               {{"grid", PhotonStructure::grid}, {"kdtree", PhotonStructure::kdtree}},
@@ -46,6 +53,9 @@ public:
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
+        if (lookup_.count == 1) {
+            params.error("lookup_size", "one photon gives a radius but no light: use 2 or more");
+        }
         params.no_effect("max_passes", "the budget of the render is its limit");
         accept_render_options(params);
         params.no_effect("granularity", "photons are dealt out evenly");
@@ -57,19 +67,25 @@ public:
 
 private:
     struct Maps {
-        PhotonMap surfaces;
+        PhotonMap caustics, indirect;
         BeamMap media;
     };
 
-    Maps photons(const RenderJob& job, const PhotonTracer& tracer, float first_radius,
+    /// Of the first pass.
+    struct Radii {
+        float surfaces, media;
+    };
+
+    Maps photons(const RenderJob& job, const PhotonTracer& tracer, const Radii& first,
                  std::uint64_t index) const;
+    Color photons_seen(const Maps& maps, const GatherPoint& point) const;
     void sample(RenderJob& job, std::uint64_t index, const Maps& maps) const;
-    float first_radius(const RenderJob& job) const;
+    float first_radius(const RenderJob& job, float pixels) const;
 
     PathLimits limits_;
     std::int64_t photons_;
     float initial_radius_, alpha_;
-    PhotonFilter filter_;
+    PhotonLookup lookup_;
     PhotonStructure structure_;
     bool hide_emitters_;
     const LightSampler& light_sampler_;
@@ -95,13 +111,12 @@ std::optional<float> seen_width(const Scene& scene) {
     return *middle;
 }
 
-/// Unless it is given, some pixels where the camera sees surfaces, so that squared bias and
-/// variance of caustics are alike after some hundred passes; but not so small that few photons are
-/// found: a disk holds at least two of each pass, if they are spread over a sphere around the
-/// scene. Small images have large pixels, but need not show more blur.
-float SPPMIntegrator::first_radius(const RenderJob& job) const {
+/// Unless it is given, so many pixels where the camera sees surfaces; but not so small that few
+/// photons are found: a disk holds at least two of each pass, if they are spread over a sphere
+/// around the scene. Small images have large pixels, but need not show more blur.
+float SPPMIntegrator::first_radius(const RenderJob& job, float pixels) const {
     if (initial_radius_ > 0) return initial_radius_;
-    constexpr float pixels = 4, fewest_pixels = 128;
+    constexpr float fewest_pixels = 128;
     const Vector2i size = job.film().size();
     const auto across = static_cast<float>(std::max(size.x, size.y));
     const float scene_radius = job.scene().bounds().radius();
@@ -113,58 +128,68 @@ float SPPMIntegrator::first_radius(const RenderJob& job) const {
 
 /// The maps of pass `index`, of all that light sampling does not find.
 SPPMIntegrator::Maps SPPMIntegrator::photons(const RenderJob& job, const PhotonTracer& tracer,
-                                             float first_radius, std::uint64_t index) const {
+                                             const Radii& first, std::uint64_t index) const {
     const PhotonPass pass{.key = hash64({job.seed(), index, 0x5bb3}),
                           .count = static_cast<std::uint64_t>(photons_),
                           .max_depth = limits_.max_depth - 1,
                           .rr_depth = limits_.rr_depth,
                           .kinds = PhotonKind::caustic | PhotonKind::indirect,
-                          .in_media = has_scattering_media(job.scene())};
+                          .in_media = has_scattering_media(job.scene()),
+                          .caustics_apart = true};
     StoredPhotons stored;
     if (!tracer.dark()) {
         store_photons(
             tracer, pass, job.workers(), [&] { return job.interrupted(); }, stored);
     }
-    const double radius2 =
-        sqr(static_cast<double>(first_radius)) * radius2_factor(index, static_cast<double>(alpha_));
-    const float radius = static_cast<float>(std::sqrt(radius2));
-    return {PhotonMap(std::move(stored.photons), stored.emitted, structure_, radius, job.workers()),
-            BeamMap(std::move(stored.in_media), stored.emitted, radius, 0, job.workers())};
+    const auto shrink =
+        static_cast<float>(std::sqrt(radius2_factor(index, static_cast<double>(alpha_))));
+    const auto map = [&](std::vector<Photon>& photons) {
+        return PhotonMap(std::move(photons), stored.emitted, structure_, shrink * first.surfaces,
+                         job.workers());
+    };
+    return {map(stored.caustics), map(stored.photons),
+            BeamMap(std::move(stored.in_media), stored.emitted, shrink * first.media, 0,
+                    job.workers())};
+}
+
+Color SPPMIntegrator::photons_seen(const Maps& maps, const GatherPoint& point) const {
+    constexpr float least_radius = 1.0f / 6;
+    PhotonLookup lookup = lookup_;
+    lookup.least_radius = least_radius * maps.caustics.radius();
+    lookup.max_depth = limits_.max_depth - point.edges;
+    const BSDF& bsdf = *point.at.shape->bsdf();
+    return photon_radiance(maps.caustics, lookup, bsdf, point.at, point.wo) +
+           photon_radiance(maps.indirect, lookup, bsdf, point.at, point.wo);
 }
 
 /// Sample `index` of every pixel.
 void SPPMIntegrator::sample(RenderJob& job, std::uint64_t index, const Maps& maps) const {
     const Scene& scene = job.scene();
-    const PhotonLookup lookup{.filter = filter_};
     std::optional<MediumView> media;
     if (scene.has_media()) {
         media.emplace(scene, light_sampler_,
-                      MediumView::Settings{.max_depth = limits_.max_depth, .lookup = lookup});
+                      MediumView::Settings{.max_depth = limits_.max_depth, .lookup = lookup_});
         media->add(maps.media);
     }
     const CameraPathTracer walk(scene, light_sampler_,
                                 {.max_depth = limits_.max_depth,
                                  .hide_emitters = hide_emitters_,
                                  .media = media ? &*media : nullptr});
-    job.sample_pixels({index, index + 1},
-                      [&](const Ray& ray, SampleStream& stream, PixelSample& result) {
-                          walk(ray, stream, result, [&](const GatherPoint& point) {
-                              PhotonLookup here = lookup;
-                              here.max_depth = limits_.max_depth - point.edges;
-                              const Color indirect = photon_radiance(
-                                  maps.surfaces, here, *point.at.shape->bsdf(), point.at, point.wo);
-                              return indirect + sample_lights(scene, light_sampler_, point, stream);
-                          });
-                      });
+    job.sample_pixels({index, index + 1}, [&](const Ray& ray, SampleStream& stream,
+                                              PixelSample& result) {
+        walk(ray, stream, result, [&](const GatherPoint& point) {
+            return photons_seen(maps, point) + sample_lights(scene, light_sampler_, point, stream);
+        });
+    });
 }
 
 void SPPMIntegrator::render(RenderJob& job) const {
     const PhotonTracer tracer(job.scene());
-    const float radius = first_radius(job);
+    const Radii radii{.surfaces = first_radius(job, 6), .media = first_radius(job, 4)};
     warn_of_emission(job.scene(), "sppm");
     job.run_passes([&](SampleRange range) {
         for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {
-            const Maps maps = photons(job, tracer, radius, i);
+            const Maps maps = photons(job, tracer, radii, i);
             if (job.interrupted()) return;
             sample(job, i, maps);
         }

@@ -75,7 +75,13 @@ TEST(PhotonMapping, O1_FurnaceOfLimitedDepth) {
             EXPECT_TRUE(agrees(image_means(how + furnace, samples, 6), expected, 0.005)) << how;
         };
         agrees_for("photonmap", photons, 16);
-        agrees_for("sppm", integer("photon_count", 20000) + number("initial_radius", 0.2), 16);
+        // All within the radius, the nearest ones, and so few that the least radius holds more.
+        const std::string progressive = integer("photon_count", 20000);
+        for (const int nearest : {0, 16, 3}) {
+            agrees_for(
+                "sppm",
+                progressive + number("initial_radius", 0.2) + integer("lookup_size", nearest), 16);
+        }
         if (depth % 3 != 2) continue;
         agrees_for("photonmap", photons + text("direct_light", "photons"), 8);
         agrees_for("photonmap", photons + integer("final_gather", 1), 16);
@@ -205,8 +211,8 @@ TEST(PhotonMapping, O20_F13_CausticOfAPlaneMirror) {
         if (i > 0) radius2 *= (i + 2.0 / 3) / (i + 1);
         expected += smoothed(caustic, seen, std::sqrt(radius2)) / passes;
     }
-    const std::string wide =
-        depth + number("initial_radius", radius) + integer("photon_count", 100000);
+    const std::string wide = depth + number("initial_radius", radius) +
+                             integer("photon_count", 100000) + integer("lookup_size", 0);
     const TestScene both(integrator("sppm", wide) + content);
     const TestScene one(integrator("direct") + content);
     RunningStatistics reflected;
@@ -255,13 +261,32 @@ TEST(PhotonMapping, G11_DiffuseSceneAsPathTracing) {
     const std::string scene = diffuse_room(diffuse(0.4));
     const RunningStatistics paths = image_means(path_integrator() + scene, 256, 6);
     EXPECT_TRUE(agree(image_means(integrator("ptracer") + scene, 128, 8), paths, 0.003));
-    EXPECT_TRUE(agree(
-        without_radius("sppm", integer("photon_count", 20000), "initial_radius", 0.1, scene, 16, 8),
-        paths, 0.003));
+    EXPECT_TRUE(
+        agree(without_radius("sppm", integer("photon_count", 20000) + integer("lookup_size", 0),
+                             "initial_radius", 0.1, scene, 16, 8),
+              paths, 0.003));
     EXPECT_TRUE(agree(
         without_radius("photonmap", integer("global_photons", 100000) + integer("final_gather", 1),
                        "global_lookup_radius", 0.05, scene, 8, 8),
         paths, 0.003));
+}
+
+/// Surfaces that are both matte and glossy under a large lamp, which they reflect: direct light by
+/// rays of the BSDF and by light samples is neither lost nor counted twice, in fog neither.
+TEST(PhotonMapping, G11_DirectLightOnGlossySurfaces) {
+    const std::string glossy = "<bsdf type='roughplastic'>" + number("alpha", 0.15) + "</bsdf>";
+    const std::string scene =
+        shape("rectangle", scale(3), glossy) +
+        shape("rectangle", scale(1) + look({0, 2, 1.5}, {0, 0, 0.2}), diffuse(0) + area_light(5)) +
+        sphere({0.3, 0.1, 0.3}, 0.3, glossy);
+    const std::string camera_frame = look({0, -2, 1}, {0, 0, 0.1});
+    const std::string clear = xml({.to_world = camera_frame, .fov = 40, .width = 24, .height = 24});
+    const std::string depth = integer("max_depth", 2);
+    const RunningStatistics paths = image_means(path_integrator(depth) + scene + clear, 256, 6);
+    const std::string few = depth + integer("photon_count", 1);
+    EXPECT_TRUE(agree(image_means(integrator("sppm", few) + scene + clear, 64, 6), paths, 0.003));
+    EXPECT_TRUE(
+        agree(image_means(integrator("photonmap", depth) + scene + clear, 64, 6), paths, 0.003));
 }
 
 /// A glass ball over a floor: the camera sees the floor alone.
@@ -277,9 +302,10 @@ TEST(PhotonMapping, G11_CausticsOfSppmAndPtracer) {
              .sampler = "sobol"});
     const std::string depth = integer("max_depth", 6);
     const RunningStatistics traced = image_means(integrator("ptracer", depth) + scene, 256, 8);
-    EXPECT_TRUE(agree(without_radius("sppm", depth + integer("photon_count", 50000),
-                                     "initial_radius", 0.04, scene, 16, 8),
-                      traced, 0.005));
+    EXPECT_TRUE(agree(
+        without_radius("sppm", depth + integer("photon_count", 50000) + integer("lookup_size", 0),
+                       "initial_radius", 0.04, scene, 16, 8),
+        traced, 0.005));
     EXPECT_TRUE(
         agree(without_radius("photonmap",
                              depth + integer("lookup_size", 0) + integer("caustic_photons", 40000) +
@@ -297,8 +323,10 @@ TEST(PhotonMapping, F16_ErrorOfSppmFallsAsItShould) {
         xml({.to_world = look({0, 0.4, 0}, {0, -1, 0}), .fov = 40, .width = 16, .height = 16});
     const FilmState reference =
         TestScene(path_integrator() + scene).render({.per_pixel = 16384, .seed = 99});
-    const TestScene progressive(
-        integrator("sppm", integer("photon_count", 500) + number("initial_radius", 0.15)) + scene);
+    const TestScene progressive(integrator("sppm", integer("photon_count", 500) +
+                                                       number("initial_radius", 0.15) +
+                                                       integer("lookup_size", 0)) +
+                                scene);
     const auto error = [&](std::uint64_t passes, std::uint64_t seed) {
         const FilmState some = progressive.render({.per_pixel = passes, .seed = seed});
         double sum = 0;

@@ -60,5 +60,48 @@ TEST(PhotonMedia, G11_AgreesWithPathTracingBehindGlass) {
     EXPECT_TRUE(agree(image_means(sppm + scene, 12, 6), traced, 0.02));
 }
 
+/// A glossy floor in fog under a large lamp that it reflects: direct light by rays of the BSDF and
+/// by light samples, through the fog, is neither lost nor counted twice.
+TEST(PhotonMedia, G11_DirectLightOnGlossySurfaces) {
+    const std::string around = fog("exterior", 0.2, 0.5);
+    const std::string glossy = "<bsdf type='roughplastic'>" + number("alpha", 0.15) + "</bsdf>";
+    const std::string depth = integer("max_depth", 2);
+    const std::string scene =
+        shape("rectangle", scale(3), glossy + around) +
+        shape("rectangle", scale(1) + look({0, 2, 1.5}, {0, 0, 0.2}),
+              diffuse(0) + area_light(5) + around) +
+        xml([] {
+            TestCamera camera{.to_world = look({0, -2, 1}, {0, 0, 0.1}), .fov = 40};
+            camera.inside = fog("", 0.2, 0.5);
+            return camera;
+        }());
+    const RunningStatistics traced = image_means(integrator("volpath", depth) + scene, 512, 8);
+    const std::string few = depth + integer("photon_count", 1);
+    const RunningStatistics progressive = image_means(integrator("sppm", few) + scene, 256, 8);
+    EXPECT_TRUE(agree(progressive, traced, 0.005));
+    EXPECT_TRUE(agree(image_means(integrator("photonmap", depth) + scene, 256, 8), traced, 0.005));
+}
+
+/// What fog emits is seen on the way from the camera, and not by the rays of a glossy floor that
+/// look for direct light.
+TEST(PhotonMedia, EmissionLightsNoGlossySurface) {
+    const auto glowing = [](const std::string& name) {
+        return "<medium type='homogeneous' name='" + name + "'>" + number("sigma_t", 0.2) +
+               number("albedo", 0) + number("emission", 0.5) + "</medium>";
+    };
+    const std::string scene =
+        shape("rectangle", scale(3),
+              "<bsdf type='roughplastic'>" + number("alpha", 0.15) + "</bsdf>" +
+                  glowing("exterior")) +
+        point_light({0, 0, 1}, 0.001) + xml([&] {
+            TestCamera camera{.to_world = look({0, -2, 1}, {0, 0, 0.1}), .fov = 40};
+            camera.inside = glowing("");
+            return camera;
+        }());
+    const RunningStatistics seen =
+        image_means(integrator("volpath", integer("max_depth", 1)) + scene, 256, 6);
+    EXPECT_TRUE(agree(image_means(integrator("sppm") + scene, 64, 6), seen, 0.005));
+}
+
 }  // namespace
 }  // namespace lucerna

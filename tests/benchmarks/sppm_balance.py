@@ -2,17 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Squared bias and variance of sppm in caustics after equal time: its defaults should balance them.
 
-    tests/benchmarks/sppm_balance.py [--seconds 10,20,60] [--seeds 4] [--rate PASSES]
-                                     [--lucerna PROGRAM] [--scene NAME]… [-- OPTION…]
+    tests/benchmarks/sppm_balance.py [--seconds 10,20,60] [--seeds 4] [--scene NAME]…
+                                     [--radius 0.5,1,2] [--alpha 0.6,0.75] [--lookup 0,16]
+                                     [--others] [--keep FOLDER] [--lucerna PROGRAM]
 
-For each scene the passes per processor second are measured on full pictures; then the caustic alone
-is rendered with as many passes as fit into these times, with several seeds, and compared with two
-runs of ptracer, three times as long as the longest. All is relative to the square of the reference,
-as in `lucerna diff`. With A, B the means of half of the seeds each, and R, S the references, the
-mean of (A − R)(B − S) over the pixels is the squared bias, without the noise of either. OPTIONs go
-to the renders of sppm. numpy and OpenEXR are from PyPI.
+The passes per processor second are measured on full pictures, for each setting, so that what else
+runs on the machine matters little; then the part with caustics alone is rendered with as many
+passes as two processors would do in these times, with several seeds, and compared with two long
+runs of ptracer, which --keep keeps. --radius is in default first radii. --others adds photonmap at
+its defaults, and ptracer, whose variance follows from that of the references.
+
+All is relative to the square of the reference, smoothed over 5 × 5 pixels: where it is dark, its
+own noise would be in the weight. With A, B the means of half of the seeds each, and R, S the
+references, the mean of (A − R)(B − S) over the pixels is the squared bias, without the noise of
+either. numpy and OpenEXR are from PyPI.
 """
 import argparse
+import itertools
 import json
 import os
 import subprocess
@@ -48,12 +54,12 @@ BALLS = """<scene version="3.0.0">
     </shape>
 </scene>
 """
-CAUSTICS = {  # scene, and where its caustic is
-    "glass ball": ("balls", "8,228,50,36"),
-    "around it": ("balls", "30,200,110,80"),
-    "spheres": ("spheres", "296,467,110,20"),
-    "glass of water": ("caustics", "480,150,150,90"),
-    "ring": ("caustics", "172,230,40,18"),
+SCENES = {  # default first radius, passes of each reference, and parts: diffuse surfaces only
+    "balls": (0.06068, 500, {"focus": (8, 228, 50, 36), "around it": (30, 200, 110, 80)}),
+    "spheres": (0.03039, 300, {"below the glass": (296, 467, 110, 20),
+                               "floor": (205, 440, 55, 45)}),
+    "caustics": (0.03265, 400, {"behind the glass": (480, 150, 150, 90),
+                                "in the ring": (172, 230, 40, 18)}),
 }
 
 
@@ -67,81 +73,142 @@ def pixels(path):
                              dtype=float)
 
 
+def smoothed(picture, reach=2):
+    """The mean over a square around each pixel."""
+    import numpy
+    padded = numpy.pad(picture, ((reach, reach), (reach, reach), (0, 0)), mode="edge")
+    windows = numpy.lib.stride_tricks.sliding_window_view(padded, (2 * reach + 1,) * 2, (0, 1))
+    return windows.mean(axis=(-2, -1))
+
+
 class Runs:
-    def __init__(self, lucerna, folder, scene, crop, options):
-        self.lucerna, self.folder, self.options = lucerna, folder, options
-        self.scene, self.crop = f"{ROOT}/scenes/{scene}/scene.xml", crop
+    def __init__(self, lucerna, folder, scene):
+        self.lucerna, self.folder, self.name = lucerna, folder, scene
+        self.scene = f"{ROOT}/scenes/{scene}/scene.xml"
+        self.radius, self.reference_passes, self.parts = SCENES[scene]
         if scene == "balls":
             self.scene = os.path.join(folder, "balls.xml")
             with open(self.scene, "w", encoding="utf-8") as file:
                 file.write(BALLS)
 
-    def render(self, integrator, *options):
+    def render(self, integrator, output, *options):
         """Figures of a render."""
         command = [self.lucerna, "render", self.scene, "--json", "-D", f"integrator={integrator}",
-                   *options, "-o", os.path.join(self.folder, "picture")]
-        if integrator == "sppm":
-            command += self.options
+                   "--set", "sensor.film.component_format=float32", *options, "-o", output]
         said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
         return json.loads(said)["figures"]
 
-    def caustic(self, integrator, *options):
-        self.render(integrator, "--crop", self.crop, "--set",
-                    "sensor.film.component_format=float32", *options)
-        return pixels(os.path.join(self.folder, "picture.exr"))
+    def references(self):
+        """Two full pictures, rendered unless they are there."""
+        paths = [os.path.join(self.folder, f"{self.name}-{seed}.exr") for seed in (2000, 2001)]
+        for path, seed in zip(paths, (2000, 2001)):
+            if not os.path.exists(path):
+                self.render("ptracer", path, "--spp", str(self.reference_passes), "--seed",
+                            str(seed))
+        return [pixels(path) for path in paths]
 
-    def passes_per_second(self):
-        """Of full pictures, on processors that do nothing else."""
-        figures = self.render("sppm", "--time", "8")
-        return figures["samples_per_pixel"] * figures["threads"] / figures["cpu_seconds"]
+    def passes_in(self, integrator, seconds, *options):
+        """Passes of full pictures that two processors do in these times."""
+        few, many = {"sppm": (1, 40), "photonmap": (1, 9), "ptracer": (1, 33)}[integrator]
+        output = os.path.join(self.folder, "rate.exr")
+        first, all_of_them = (self.render(integrator, output, "--spp", str(count), *options)
+                              ["cpu_seconds"] for count in (few, many))
+        each = (all_of_them - first) / (many - few)
+        return [max(1, round((2 * time - first) / each) + few) for time in seconds]
+
+    def pictures(self, integrator, passes, seeds, *options):
+        """The parts of the picture with caustics, as one picture; pictures[passes][seed]."""
+        left, top, width, height = self.crop()
+        result = {count: [] for count in passes}
+        for seed in range(seeds):
+            state = os.path.join(self.folder, "state.exr")
+            if os.path.exists(state):
+                os.remove(state)
+            for count in passes:
+                self.render(integrator, os.path.join(self.folder, "picture.exr"), "--crop",
+                            f"{left},{top},{width},{height}", "--seed", str(seed), "--spp",
+                            str(count), "--checkpoint", state, "--resume", *options)
+                result[count].append(pixels(os.path.join(self.folder, "picture.exr")))
+        return result
+
+    def crop(self):
+        left, top = (min(part[i] for part in self.parts.values()) for i in (0, 1))
+        right, bottom = (max(part[i] + part[i + 2] for part in self.parts.values()) for i in (0, 1))
+        return left, top, right - left, bottom - top
+
+    def part(self, picture, name, offset=(0, 0)):
+        left, top, width, height = self.parts[name]
+        left, top = left - offset[0], top - offset[1]
+        return picture[top:top + height, left:left + width]
 
 
-def balance(runs, passes, seeds, reference_seconds):
-    """Rows of (squared bias, variance) for these numbers of passes."""
+def balance(pictures, references, weight):
+    """Squared bias, and variance, of a part of the picture."""
     import numpy
-    references = [runs.caustic("ptracer", "--seed", str(1000 + i), "--time",
-                               str(reference_seconds)) for i in range(2)]
-    square = numpy.mean(references, axis=0)**2
-    weight = 1 / (square + 0.01 * numpy.mean(references)**2)
-    pictures = {count: [] for count in passes}
-    for seed in range(seeds):
-        state = os.path.join(runs.folder, "state.exr")
-        if os.path.exists(state):
-            os.remove(state)
-        for count in passes:
-            pictures[count].append(runs.caustic("sppm", "--seed", str(seed), "--spp", str(count),
-                                                "--checkpoint", state, "--resume"))
-    noise = numpy.mean(weight * (references[0] - references[1])**2) / 2
-    rows = []
-    for count in passes:
-        all_seeds = numpy.array(pictures[count])
-        half = len(all_seeds) // 2
-        a, b = all_seeds[:half].mean(axis=0), all_seeds[half:].mean(axis=0)
-        bias2 = numpy.mean(weight * (a - references[0]) * (b - references[1]))
-        rows.append((bias2, numpy.mean(weight * all_seeds.var(axis=0, ddof=1))))
-    return rows, noise
+    half = len(pictures) // 2
+    a, b = (numpy.mean(some, axis=0) for some in (pictures[:half], pictures[half:]))
+    bias2 = numpy.mean(weight * (a - references[0]) * (b - references[1]))
+    return bias2, numpy.mean(weight * numpy.var(pictures, axis=0, ddof=1))
+
+
+def numbers(text):
+    return [float(number) for number in text.split(",")]
 
 
 def main():
+    import numpy
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--seconds", default="10,20,60")
+    parser.add_argument("--seconds", type=numbers, default=[10, 20, 60])
     parser.add_argument("--seeds", type=int, default=4)
-    parser.add_argument("--rate", type=float, help="passes per second, if not to be measured")
+    parser.add_argument("--scene", action="append", choices=SCENES)
+    parser.add_argument("--radius", type=numbers, default=[1])
+    parser.add_argument("--alpha", type=numbers, default=[2 / 3])
+    parser.add_argument("--lookup", type=numbers, default=[16])
+    parser.add_argument("--others", action="store_true")
+    parser.add_argument("--keep", metavar="FOLDER")
     parser.add_argument("--lucerna", default="./lucerna")
-    parser.add_argument("--scene", action="append", choices=CAUSTICS)
-    parser.add_argument("options", nargs="*", metavar="OPTION")
     arguments = parser.parse_args()
-    times = sorted(float(text) for text in arguments.seconds.split(","))
-    for name in arguments.scene or CAUSTICS:
+    times = sorted(arguments.seconds)
+    for name in arguments.scene or SCENES:
         with tempfile.TemporaryDirectory() as folder:
-            runs = Runs(arguments.lucerna, folder, *CAUSTICS[name], arguments.options)
-            rate = arguments.rate or runs.passes_per_second()
-            passes = [max(1, round(rate * seconds)) for seconds in times]
-            rows, noise = balance(runs, passes, arguments.seeds, 3 * times[-1])
-        print(f"{name}: {rate:.2f} passes per second, variance of a reference {noise:.2g}")
-        for seconds, count, (bias2, variance) in zip(times, passes, rows):
-            print(f"  {seconds:4.0f} s {count:5} passes  squared bias {bias2:.3g}  "
-                  f"variance {variance:.3g}  ratio {bias2 / variance:.2f}", flush=True)
+            runs = Runs(arguments.lucerna, arguments.keep or folder, name)
+            references = runs.references()
+            square = smoothed(numpy.mean(references, axis=0))**2
+
+            def say(how, count, seconds, values):
+                for part, (bias2, variance) in values.items():
+                    print(f"{name}, {part}: {how}, {seconds:g} s, {count} passes: squared bias "
+                          f"{bias2:.3g}, variance {variance:.3g}, sum {bias2 + variance:.3g}",
+                          flush=True)
+
+            def weight(part):
+                mean = numpy.mean([runs.part(picture, part) for picture in references])
+                return 1 / (runs.part(square, part) + 0.01 * mean**2)
+
+            def measure(integrator, how, *options):
+                passes = runs.passes_in(integrator, times, *options)
+                pictures = runs.pictures(integrator, passes, arguments.seeds, *options)
+                for seconds, count in zip(times, passes):
+                    say(how, count, seconds, {part: balance(
+                        [runs.part(picture, part, runs.crop()) for picture in pictures[count]],
+                        [runs.part(picture, part) for picture in references], weight(part))
+                        for part in runs.parts})
+
+            if arguments.others:
+                noise = {part: numpy.mean(weight(part) * numpy.square(
+                    runs.part(references[0], part) - runs.part(references[1], part))) / 2
+                    for part in runs.parts}
+                for seconds, count in zip(times, runs.passes_in("ptracer", times)):
+                    say("ptracer", count, seconds, {
+                        part: (0, noise[part] * runs.reference_passes / count)
+                        for part in runs.parts})
+                measure("photonmap", "photonmap")
+            for radius, alpha, lookup in itertools.product(arguments.radius, arguments.alpha,
+                                                           arguments.lookup):
+                measure("sppm", f"radius {radius:g}, alpha {alpha:.3g}, lookup {lookup:g}",
+                        "--set", f"integrator.initial_radius={radius * runs.radius}",
+                        "--set", f"integrator.alpha={alpha}",
+                        "--set", f"integrator.lookup_size={lookup:.0f}")
 
 
 if __name__ == "__main__":
