@@ -11,6 +11,7 @@
 /// scattered to wo with the density f(wi, wo).
 #pragma once
 
+#include "core/interfaces/batch/phase_batch.h"
 #include "core/math/bounds.h"
 #include "core/plugin/plugin.h"
 
@@ -49,6 +50,14 @@ public:
     }
     /// σ is at most so much at all points of a box of the world, for all directions.
     virtual float max_projected_area([[maybe_unused]] const Bounds3& box) const { return 1; }
+
+    /// `evaluate` at many points at once: made by `describe`.
+    using Batch = PhaseBatch;
+    const Batch& batch() const { return *batch_; }
+
+private:
+    friend Batch;
+    const Batch* batch_ = nullptr;
 };
 
 /// Cosine of the angle by which light turns: 1 if it goes on as it came.

@@ -38,6 +38,32 @@ inline Color attenuation(Color sigma, float t) {
     return is_grey(sigma) ? Color(of(sigma.x)) : Color(of(sigma.x), of(sigma.y), of(sigma.z));
 }
 
+/// What happens to paths of the throughput `beta` on their way through a homogeneous medium.
+class HomogeneousEdge {
+public:
+    /// From o along the unit vector d, so far as `length`.
+    HomogeneousEdge(const Medium& medium, Vector3 o, Vector3 d, float length, Color beta)
+        : point_(medium.at(o, d)), arriving_(attenuation(point_.sigma_t, length)) {
+        share_ = beta / (beta.x + beta.y + beta.z);
+    }
+
+    /// The fraction of light that gets to the end; if it is scattered there, times scattering
+    /// [1/m].
+    Color weight(bool scattered) const {
+        return scattered ? point_.sigma_s * arriving_ : arriving_;
+    }
+    /// The density of collisions at the end [1/m]; if it is not scattered there, the probability
+    /// to get there.
+    float reach(bool scattered) const {
+        if (scattered) return glm::dot(share_, point_.sigma_t * arriving_);
+        return is_black(point_.sigma_s) ? 1.0f : glm::dot(share_, arriving_);
+    }
+
+private:
+    MediumPoint point_;
+    Color arriving_, share_;
+};
+
 /// An unbiased estimate of the fraction of light that gets through: exact in homogeneous media, by
 /// ratio tracking (Novák et al. 2014) in others.
 Color transmittance(const MediumSegment& segment, Rng& rng);

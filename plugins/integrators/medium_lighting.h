@@ -28,6 +28,8 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     const float weight =
         sample->delta ? 1.0f : power_heuristic(passes * density, phase_samples * value.pdf);
     result.sample = *sample;
+    result.wi_local = sample->wi;
+    result.scattered = {.f = Color(value.f), .pdf = value.pdf};
     result.density = density;
     result.response = Color(value.f * weight / density);
     return true;
@@ -44,12 +46,12 @@ struct LightPasses {
     std::uint32_t taken, weighted;
 };
 
-/// Light that reaches a point of a medium and is scattered towards wo, by light sampling;
-/// `next_2d` gives the numbers that choose lights.
-template <typename Numbers>
-Color sample_lights(const Scene& scene, const LightSampler& sampler, const LitPoint& point,
-                    LightPasses passes, float phase_samples, Rng& rng, Numbers&& next_2d) {
-    ColorD direct(0);
+/// Calls `visit(light, arriving)` for each light sample that reaches a point of a medium, of which
+/// `arriving` is left; `next_2d` gives the numbers that choose lights.
+template <typename Numbers, typename Visit>
+void visit_light_samples(const Scene& scene, const LightSampler& sampler, const LitPoint& point,
+                         LightPasses passes, float phase_samples, Rng& rng, Numbers&& next_2d,
+                         Visit&& visit) {
     LightEstimate light;
     const auto count = static_cast<float>(passes.taken);
     const auto weighted = static_cast<float>(passes.weighted);
@@ -62,18 +64,16 @@ Color sample_lights(const Scene& scene, const LightSampler& sampler, const LitPo
             !sample_light(scene, *choice, point, u_light, weighted, phase_samples, light)) {
             continue;
         }
-        const Color arriving = scene.transmittance(point.receiver, light.sample, rng);
-        direct += ColorD(arriving * light.sample.radiance * light.response);
+        visit(light, scene.transmittance(point.receiver, light.sample, rng));
     }
-    return Color(direct / static_cast<double>(count));
 }
 
-/// Direct light at a surface that a path in `medium` has come to.
-inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
-                           const LitSurface& surface, const Medium* medium, std::uint32_t passes,
-                           float bsdf_samples, Rng& rng, SampleStream& stream) {
-    if (!surface.samples_lights) return Color(0);
-    ColorD direct(0);  // in double: there may be a million draws
+/// The same at a surface that a path in `medium` has come to.
+template <typename Visit>
+void visit_light_samples(const Scene& scene, const LightSampler& sampler, const LitSurface& surface,
+                         const Medium* medium, std::uint32_t passes, float bsdf_samples, Rng& rng,
+                         SampleStream& stream, Visit&& visit) {
+    if (!surface.samples_lights) return;
     LightEstimate light;
     const auto count = static_cast<float>(passes);
     for (std::uint32_t k = 0; k < passes * sampler.draws(); ++k) {
@@ -88,11 +88,36 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
         if (is_black(light.sample.radiance)) continue;
         Receiver receiver = surface.receiver;
         receiver.medium = medium_beyond(surface.at, light.sample.wi, medium);
-        const Color arriving = scene.transmittance(receiver, light.sample, rng);
-        if (!is_black(arriving))
-            direct += ColorD(arriving * light.sample.radiance * light.response);
+        visit(light, scene.transmittance(receiver, light.sample, rng));
     }
-    return Color(direct / static_cast<double>(count));
+}
+
+/// What light samples add up to.
+struct DirectLight {
+    ColorD sum{0};  ///< in double: there may be a million draws
+
+    void operator()(const LightEstimate& light, Color arriving) {
+        sum += ColorD(arriving * light.sample.radiance * light.response);
+    }
+    Color mean(std::uint32_t passes) const { return Color(sum / static_cast<double>(passes)); }
+};
+
+/// Light that reaches a point of a medium and is scattered towards wo, by light sampling.
+template <typename Numbers>
+Color sample_lights(const Scene& scene, const LightSampler& sampler, const LitPoint& point,
+                    LightPasses passes, float phase_samples, Rng& rng, Numbers&& next_2d) {
+    DirectLight direct;
+    visit_light_samples(scene, sampler, point, passes, phase_samples, rng, next_2d, direct);
+    return direct.mean(passes.taken);
+}
+
+/// Direct light at a surface that a path in `medium` has come to.
+inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
+                           const LitSurface& surface, const Medium* medium, std::uint32_t passes,
+                           float bsdf_samples, Rng& rng, SampleStream& stream) {
+    DirectLight direct;
+    visit_light_samples(scene, sampler, surface, medium, passes, bsdf_samples, rng, stream, direct);
+    return direct.mean(passes);
 }
 
 /// Aims a line at a point on a light that matters somewhere on it.

@@ -40,9 +40,7 @@ public:
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         accept_render_options(params);
         if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
-        if ((reuse_ & (reuse_ - 1)) != 0) {
-            params.error("reuse", "\"reuse\" must be 0, 1, 2, 4, 8 or 16");
-        }
+        check_block_size(params, reuse_);
     }
 
     void prepare(const Scene& scene) override;
@@ -183,9 +181,7 @@ bool PathIntegrator::arrive(const Scene& scene, Path& path) const {
 /// Keeps the first two vertices for other pixels.
 void PathIntegrator::keep_vertex(Path& path) {
     ReusablePath& kept = *path.kept;
-    Interaction& at = path.depth == 0 ? kept.first_at : kept.second_at;
-    at = *path.hit;
-    (path.depth == 0 ? kept.first : kept.second).emplace(at, *at.shape->bsdf(), -path.ray.d);
+    (path.depth == 0 ? kept.first : kept.second).set(*path.surface, nullptr);
 }
 
 /// What the shadow ray of a light sample leaves of its radiance, or what it finds behind mirrors
@@ -248,7 +244,7 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) co
             if (is_black(arriving)) continue;
             if (path->depth == 1 && path->kept) {
                 light.sample.radiance = arriving;
-                path->kept->lights.emplace_back(light);
+                path->kept->lights.emplace_back(light, abs_cos_theta(light.wi_local));
             } else {
                 path->direct += ColorD(arriving * light.response / pass_count);
             }
@@ -296,7 +292,7 @@ bool PathIntegrator::scatter(const Scene& scene, Path& path, int step) const {
 /// is of no use to others.
 void PathIntegrator::leave_kept_vertex(Path& path, const BSDFSample& next) {
     if (path.depth == 0) {
-        path.kept->to_second = next;
+        path.kept->to_second = {.weight = next.weight, .pdf = next.pdf};
         if (next.specular()) path.kept = nullptr;
     } else if (!next.specular()) {
         path.kept->next_local = next.wi;
@@ -343,10 +339,7 @@ void PathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples)
     if (max_depth_ == 0) return;
     std::vector<ReusablePath> kept(splitting_.block_size > 1 ? samples.size() : 0);
     trace(scene, samples, kept, splitting_);
-    for (std::size_t begin = 0, end = 0; begin < kept.size(); begin = end) {
-        while (end < kept.size() && samples[end].block == samples[begin].block) ++end;
-        reuse_paths(scene, std::span(kept).subspan(begin, end - begin));
-    }
+    reuse_paths(scene, samples, kept, false);
 }
 
 }  // namespace

@@ -4,7 +4,8 @@
 ///
 /// Surfaces are treated as in `path` without path reuse and specular chains and with one pass of
 /// light samples: by default, a scene without media gets the same bits. Media:
-/// core/scene/medium_tracking.h.
+/// core/scene/medium_tracking.h. In scenes with media, neighbouring pixels share their paths behind
+/// the second vertex where a homogeneous medium, or nothing, lies before it (path_reuse.h).
 ///
 /// Light that arrives at a vertex is estimated by sampling lights, with an estimate of the
 /// transmittance up to them, and by following the path. The power heuristic weights the two by
@@ -15,6 +16,7 @@
 #include "core/scene/medium_tracking.h"
 #include "plugins/integrators/line_scattering.h"
 #include "plugins/integrators/medium_lighting.h"
+#include "plugins/integrators/path_noise.h"
 #include "plugins/integrators/render_options.h"
 
 #include <limits>
@@ -36,20 +38,23 @@ public:
               params.int32("emitter_samples", 0, {.min = 0, .max = 64},
                            "samples of lights at each vertex; 0: 1, in scenes with media "
                            "2 (1 if a sample is more than 8 lights)")),
+          reuse_(params.int32("reuse", 0, {.min = 0, .max = 16},
+                              "paths are shared by blocks of so many by so many pixels, a power of "
+                              "two; 1: pixels do not share; 0: 1, in scenes with media what a few "
+                              "paths show to be best")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         accept_render_options(params);
         if (max_depth_ < 0) max_depth_ = std::numeric_limits<int>::max();
+        check_block_size(params, reuse_);
     }
 
     void prepare(const Scene& scene) override;
     bool renders_media() const override { return true; }
     int light_bounces() const override { return std::max(max_depth_ - 2, -1); }
-    void sample(const Scene& scene, std::span<CameraSample> samples) const override {
-        if (max_depth_ == 0) return;
-        for (CameraSample& sample : samples) trace(scene, sample);
-    }
+    int block_size() const override { return block_size_; }
+    void sample(const Scene& scene, std::span<CameraSample> samples) const override;
 
 private:
     // As in `path`. In scenes with media, each step takes six more: distances and seed.
@@ -64,8 +69,28 @@ private:
             if (scene.has_media()) medium = scene.sensor().medium();
         }
 
+        /// Radiance that arrives at the last vertex.
+        void add(Color arriving) { add_seen(beta * arriving); }
+        /// The same, times `beta` already.
+        void add_seen(Color radiance) {
+            if (beyond_second) {
+                kept->next_radiance += radiance;
+            } else {
+                sample.result.radiance += beta_before * radiance;
+            }
+        }
+        /// From here on, `beta` counts from 1.
+        void restart() {
+            beta_before *= beta;
+            beta = Color(1);
+        }
+
+        /// Whether other paths can go to the vertex that comes as this one does.
+        bool shares_second() const { return kept && depth == 1; }
+
         /// Past a surface that is no vertex, which lets the fraction `transmittance` through.
         void go_straight(Color transmittance) {
+            if (depth == 1) kept = nullptr;  // paths are shared from vertex to vertex
             beta *= transmittance;
             medium = medium_beyond(*hit, ray.d, medium);
             ray = hit->spawn_ray(ray.d);
@@ -84,30 +109,44 @@ private:
         Vector2 u_direction{0}, u_lobe_and_roulette{0}, u_distance{0}, u_line{0};
         Receiver here;  ///< the surface at which the path is
         PathVertex before;
-        int depth = 0;           ///< vertices before the one that comes
-        float seen_through = 1;  ///< of what lies before the first vertex
-        Color beta{1};
+        int depth = 0;                  ///< vertices before the one that comes
+        float seen_through = 1;         ///< of what lies before the first vertex
+        Color beta_before{1}, beta{1};  ///< their product is the throughput
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
+
+        ReusablePath* kept = nullptr;  ///< for other pixels; null if they cannot use it
+        bool beyond_second = false;    ///< what is found is kept, too
     };
 
-    void trace(const Scene& scene, CameraSample& sample) const;
+    int choose_block_size(const Scene& scene) const;
+    void trace(const Scene& scene, CameraSample& sample, ReusablePath* kept) const;
+    void trace(const Scene& scene, std::span<CameraSample> samples,
+               std::span<ReusablePath> kept) const;
     void draw_numbers(Path& path) const;
     Vertex arrive(Path& path) const;
     bool cross_medium(Path& path) const;
     void add_line_scattering(Path& path, const MediumSegment& way, LineScattering& line) const;
     void leave_scene(Path& path) const;
     void add_found_light(Path& path) const;
+    template <typename... Where>
+    static void keep_vertex(Path& path, const Where&... where);
+    static void keep_light(const Path& path, LightEstimate light, Color arriving);
+    static void leave_vertex(Path& path, const BSDFSample& next);
     void add_direct_light(Path& path) const;
+    void add_direct_light(Path& path, const LitPoint& point) const;
+    template <typename Samples>
+    void add_direct_light(Path& path, float weight, const Samples& sample_each) const;
     bool scatter_at_surface(Path& path) const;
     bool scatter_in_medium(Path& path, const LitPoint& point) const;
 
     int max_depth_;
     int rr_depth_;
-    int emitter_samples_;
+    int emitter_samples_, reuse_;
     bool hide_emitters_;
     const LightSampler& light_sampler_;
     std::uint32_t light_samples_ = 1;
     int first_roulette_ = 5;
+    int block_size_ = 1;
 };
 
 void VolumetricPathIntegrator::prepare(const Scene& scene) {
@@ -118,6 +157,22 @@ void VolumetricPathIntegrator::prepare(const Scene& scene) {
     light_samples_ =
         static_cast<std::uint32_t>(emitter_samples_ > 0 ? emitter_samples_ : usual_samples);
     first_roulette_ = rr_depth_ > 0 ? rr_depth_ : (media ? 1 : 5);
+    block_size_ = choose_block_size(scene);
+}
+
+int VolumetricPathIntegrator::choose_block_size(const Scene& scene) const {
+    // Samplers of many draws make a path's own light good, and reuse dear.
+    const std::uint32_t draws = light_sampler_.draws();
+    if (max_depth_ <= 2 || draws == 0 || draws > 8) return 1;
+    if (reuse_ > 0 || !scene.has_media()) return std::max(reuse_, 1);
+    const PathNoiseMeter meter(scene);
+    const auto trace_all = [&](std::span<CameraSample> samples, std::span<ReusablePath> kept,
+                               const PathSplitting&) { trace(scene, samples, kept); };
+    const PathSplitting given{.light_samples = 1, .block_size = 0};
+    PathNoise noise = meter.measure(given, trace_all);
+    // Light is not sampled along rays that lead to vertices for others.
+    noise.alone = meter.measure_alone(given, trace_all).own;
+    return best_splitting(noise, given).block_size;
 }
 
 /// The numbers of a step that are not for lights; those follow in the stream.
@@ -143,7 +198,11 @@ void VolumetricPathIntegrator::add_found_light(Path& path) const {
     const Color found =
         path.hit ? found_emission(path.scene, light_sampler_, path.before, *path.hit, -path.ray.d)
                  : found_environment(path.scene, light_sampler_, path.before, path.ray.d);
-    path.sample.result.radiance += path.beta * found;
+    if (path.depth > 2) {
+        path.add(found);
+    } else {
+        path.sample.result.radiance += path.beta_before * path.beta * found;
+    }
 }
 
 /// Direct light that is scattered anywhere along the ray.
@@ -158,9 +217,9 @@ void VolumetricPathIntegrator::add_line_scattering(Path& path, const MediumSegme
     const LitPoint point{.receiver = Receiver::in_medium(*way.medium, way.o, way.d, t),
                          .phase = way.medium->phase(),
                          .wo = -way.d};
-    path.sample.result.radiance +=
-        throughput * sample_lights(path.scene, light_sampler_, point, {1, path.light_samples}, 1,
-                                   rng, [&] { return rng.next_float2(); });
+    path.add_seen(throughput * sample_lights(path.scene, light_sampler_, point,
+                                             {1, path.light_samples}, 1, rng,
+                                             [&] { return rng.next_float2(); }));
 }
 
 /// Through the medium up to the surface that comes; true if the path is scattered before.
@@ -168,8 +227,11 @@ bool VolumetricPathIntegrator::cross_medium(Path& path) const {
     if (!path.medium) return false;
     const MediumSegment way{path.medium, path.ray.o, path.ray.d, path.hit ? path.hit->t : infinity};
     const bool may_scatter = path.depth + 1 < max_depth_;
+    if (path.shares_second() && !path.medium->homogeneous()) path.kept = nullptr;
     std::optional<LineScattering> line;
-    if (may_scatter && path.medium->homogeneous() && light_sampler_.draws() > 0) {
+    const bool samples_line =
+        may_scatter && path.medium->homogeneous() && light_sampler_.draws() > 0;
+    if (samples_line && !path.shares_second()) {
         line.emplace(way, path.beta);
         if (line->scatters()) {
             add_line_scattering(path, way, *line);
@@ -180,7 +242,12 @@ bool VolumetricPathIntegrator::cross_medium(Path& path) const {
     MediumPath through{.beta = path.beta};
     const bool scattered = sample_collision(way, may_scatter, path.u_distance, path.rng, through);
     if (path.depth == 0) path.seen_through *= luminance(through.beta) / luminance(path.beta);
-    path.sample.result.radiance += through.radiance;
+    if (path.shares_second()) {
+        const float length = scattered ? through.t : way.length;
+        path.kept->to_second.reach =
+            HomogeneousEdge(*way.medium, way.o, way.d, length, path.beta).reach(scattered);
+    }
+    path.add_seen(through.radiance);
     path.beta = through.beta;
     path.collision = through.t;
     path.direct_weight = line && scattered ? line->collision_weight(through.t) : 1;
@@ -223,14 +290,81 @@ VolumetricPathIntegrator::Vertex VolumetricPathIntegrator::arrive(Path& path) co
     return Vertex::none;
 }
 
+/// Keeps the first two vertices for other pixels.
+template <typename... Where>
+void VolumetricPathIntegrator::keep_vertex(Path& path, const Where&... where) {
+    if (!path.kept || path.depth > 1) return;
+    ReusablePath& kept = *path.kept;
+    if (path.depth == 0) {
+        kept.first.set(where...);
+        kept.beta = path.beta;
+    } else {
+        kept.second.set(where...);
+        kept.to_second.weight = path.beta;
+    }
+    path.restart();
+}
+
+/// Keeps a light sample at the second vertex.
+void VolumetricPathIntegrator::keep_light(const Path& path, LightEstimate light, Color arriving) {
+    if (is_black(arriving)) return;
+    light.sample.radiance *= arriving;
+    light.density *= static_cast<float>(path.light_samples);
+    path.kept->lights.emplace_back(light, path.kept->second.cosine(light.wi_local));
+}
+
+/// Hands on the direction in which a path leaves a vertex that is kept. A direction of a delta lobe
+/// is of no use to others.
+void VolumetricPathIntegrator::leave_vertex(Path& path, const BSDFSample& next) {
+    if (path.kept && path.depth == 0) {
+        path.kept->to_second.pdf = next.pdf;
+        if (next.specular()) path.kept = nullptr;
+    } else if (path.shares_second() && !next.specular()) {
+        path.kept->next_local = next.wi;
+        path.kept->next_f_cosine = next.weight * next.pdf;
+        path.kept->next_pdf = next.pdf;
+        path.beyond_second = true;
+        path.restart();
+    }
+    ++path.depth;
+}
+
 /// Light sampling at a surface.
 void VolumetricPathIntegrator::add_direct_light(Path& path) const {
     const Interaction& at = *path.hit;
     const LitSurface surface(at, *at.shape->bsdf(), -path.ray.d);
     path.here = surface.receiver;
-    path.sample.result.radiance +=
-        path.beta * sample_lights(path.scene, light_sampler_, surface, path.medium,
-                                  path.light_samples, 1, path.rng, path.sample.stream);
+    if (path.depth == 0 && !surface.samples_lights) path.kept = nullptr;
+    keep_vertex(path, surface, path.medium);
+    const auto sample_each = [&](auto&& visit) {
+        visit_light_samples(path.scene, light_sampler_, surface, path.medium, path.light_samples, 1,
+                            path.rng, path.sample.stream, visit);
+    };
+    add_direct_light(path, 1, sample_each);
+}
+
+/// Light sampling at a point of a medium.
+void VolumetricPathIntegrator::add_direct_light(Path& path, const LitPoint& point) const {
+    keep_vertex(path, point);
+    const auto sample_each = [&](auto&& visit) {
+        visit_light_samples(
+            path.scene, light_sampler_, point, {path.light_samples, path.light_samples}, 1,
+            path.rng, [&] { return path.sample.stream.next_2d(); }, visit);
+    };
+    add_direct_light(path, path.direct_weight, sample_each);
+}
+
+/// Adds the light samples that `sample_each` visits, or keeps them for other pixels, too.
+template <typename Samples>
+void VolumetricPathIntegrator::add_direct_light(Path& path, float weight,
+                                                const Samples& sample_each) const {
+    if (path.shares_second()) {
+        return sample_each(
+            [&](const LightEstimate& light, Color arriving) { keep_light(path, light, arriving); });
+    }
+    DirectLight direct;
+    sample_each(direct);
+    path.add(weight * direct.mean(path.light_samples));
 }
 
 /// Continues along a direction of the BSDF; false if the path ends. What is found straight through
@@ -254,7 +388,7 @@ bool VolumetricPathIntegrator::scatter_at_surface(Path& path) const {
                    .specular = sample.specular()};
     path.ray = next->ray;
     path.medium = medium_beyond(at, path.ray.d, path.medium);
-    ++path.depth;
+    leave_vertex(path, sample);
     return true;
 }
 
@@ -269,12 +403,19 @@ bool VolumetricPathIntegrator::scatter_in_medium(Path& path, const LitPoint& poi
                    .light_samples = static_cast<float>(path.light_samples),
                    .specular = false};
     path.ray = {.o = point.receiver.p, .d = sample.wi};
-    ++path.depth;
+    leave_vertex(path, {.wi = sample.wi,
+                        .weight = Color(sample.weight),
+                        .pdf = sample.pdf,
+                        .lobe = Lobe::diffuse_reflection});
     return true;
 }
 
-void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample) const {
+/// What `kept`, if it is not null, has for other pixels is not in the sample yet.
+void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample,
+                                     ReusablePath* kept) const {
     Path path(scene, sample, light_samples_);
+    path.kept = kept;
+    if (kept) kept->radiance = &sample.result.radiance;
     for (int step = 0;; ++step) {
         draw_numbers(path);
         const Vertex vertex = arrive(path);
@@ -287,19 +428,28 @@ void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample) c
                                                                  path.ray.d, path.collision),
                                  .phase = path.medium->phase(),
                                  .wo = -path.ray.d};
-            SampleStream& stream = sample.stream;
-            sample.result.radiance +=
-                path.beta *
-                (path.direct_weight * sample_lights(scene, light_sampler_, point,
-                                                    {light_samples_, light_samples_}, 1, path.rng,
-                                                    [&] { return stream.next_2d(); }));
+            add_direct_light(path, point);
             if (!scatter_in_medium(path, point)) return;
         }
-        if (step + 1 < first_roulette_) continue;
-        const float survival = survival_probability(path.beta, path.eta2);
+        if (step + 1 < first_roulette_ || (step == 0 && path.kept)) continue;
+        const float survival = survival_probability(path.beta_before * path.beta, path.eta2);
         if (!(path.u_lobe_and_roulette.y < survival)) return;
         path.beta /= survival;
     }
+}
+
+void VolumetricPathIntegrator::trace(const Scene& scene, std::span<CameraSample> samples,
+                                     std::span<ReusablePath> kept) const {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        trace(scene, samples[i], kept.empty() ? nullptr : &kept[i]);
+    }
+}
+
+void VolumetricPathIntegrator::sample(const Scene& scene, std::span<CameraSample> samples) const {
+    if (max_depth_ == 0) return;
+    std::vector<ReusablePath> kept(block_size_ > 1 ? samples.size() : 0);
+    trace(scene, samples, kept);
+    reuse_paths(scene, samples, kept, scene.has_media());
 }
 
 }  // namespace

@@ -15,12 +15,13 @@ std::string rough(const std::string& type, double alpha) {
 }
 
 /// A corner with matte, glossy and clear things, and a coarse mesh whose normals are smooth.
-/// Neighbouring pixels see different surfaces, and sides of them.
-std::string still_life(const std::string& mesh) {
+/// Neighbouring pixels see different surfaces, and sides of them. `around`: a medium.
+std::string still_life(const std::string& mesh, const std::string& around = "") {
     return xml({.to_world = look({2.5, 2, 3.5}, {0, 0.5, 0}),
                 .fov = 50,
                 .width = 12,
-                .height = 8}) +
+                .height = 8,
+                .inside = around}) +
            shape("rectangle", scale(5) + look({0, 0, 0}, {0, 1, 0}), rough("roughconductor", 0.3)) +
            shape("rectangle", scale(5) + translate({0, 0, -2}), diffuse(0.7)) +
            shape("rectangle", scale(0.5) + look({1, 0.5, 1}, {0, 0.6, 0}),
@@ -84,6 +85,73 @@ TEST_F(PathReuse, G11_AgreesWithEarlyRoulette) {
     const RepeatedRenders own(scene(1), 256, 0, 48);
     const RepeatedRenders shared(scene(4, integer("rr_depth", 1)), 192, 2000, 48);
     EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance));
+}
+
+/// The medium in which the camera is, if the name is empty.
+std::string medium(const std::string& name, const std::string& inside) {
+    return "<medium type='homogeneous' name='" + name + "'>" + inside + "</medium>";
+}
+std::string color(const std::string& name, const std::string& value) {
+    return "<rgb name='" + name + "' value='" + value + "'/>";
+}
+
+class VolumePathReuse : public PathReuse {
+protected:
+    /// `around`: the medium of the camera; `more`: shapes.
+    void expect_agreement(const std::string& around, const std::string& more = "") {
+        const std::string life = still_life((folder_ / "sphere.obj").string(), around) + more;
+        const auto scene = [&](int reuse) {
+            return TestScene("<integrator type='volpath'>" + integer("reuse", reuse) +
+                             integer("max_depth", 5) + "</integrator>" + life);
+        };
+        const RepeatedRenders own(scene(1), 256, 0, 48);
+        for (const int reuse : {2, 8}) {
+            const RepeatedRenders shared(scene(reuse), reuse == 8 ? 32 : 128, 1000, 48);
+            EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance))
+                << reuse;
+        }
+    }
+};
+
+TEST_F(VolumePathReuse, G11_AgreesWithoutMedia) { expect_agreement(""); }
+
+TEST_F(VolumePathReuse, G11_AgreesInColouredFog) {
+    expect_agreement(medium("", color("sigma_t", "0.1, 0.3, 0.6") + color("albedo", "1, 0.8, 0.5") +
+                                    "<phase type='hg'>" + number("g", 0.6) + "</phase>"));
+}
+
+/// Where extinction depends on the direction.
+TEST_F(VolumePathReuse, G11_AgreesAmongOrientedParticles) {
+    expect_agreement(medium("", number("sigma_t", 0.3) + number("albedo", 0.9) +
+                                    "<phase type='sggx'><string name='S' "
+                                    "value='1, 0.1, 0.3, 0.2, 0, 0.1'/></phase>"));
+}
+
+/// Media that only absorb, that glow, that end behind glass or nothing, and one that is not the
+/// same everywhere.
+TEST_F(VolumePathReuse, G11_AgreesAcrossTheBoundariesOfMedia) {
+    const std::string fog = number("sigma_t", 0.2) + number("albedo", 0.9);
+    const std::string ink = color("sigma_a", "0.5, 1, 2");
+    const std::string glow = fog + number("emission", 0.05);
+    const std::string smoke =
+        "<medium type='heterogeneous' name='interior'><volume type='constvolume' name='sigma_t'>" +
+        number("value", 1.5) + "</volume>" + number("albedo", 0.7) + "</medium>";
+    expect_agreement(
+        medium("", fog),
+        sphere({1.4, 0.9, 1.2}, 0.4,
+               "<bsdf type='null'/>" + medium("interior", ink) + medium("exterior", fog)) +
+            sphere(
+                {-0.5, 1.4, 0.8}, 0.4,
+                "<bsdf type='dielectric'/>" + medium("interior", glow) + medium("exterior", fog)) +
+            sphere({0.3, 1.2, -0.8}, 0.5, "<bsdf type='null'/>" + smoke + medium("exterior", fog)));
+}
+
+TEST_F(VolumePathReuse, N8_ThreadsChangeNoBit) {
+    const TestScene shared(
+        "<integrator type='volpath'>" + integer("reuse", 4) + "</integrator>" +
+        still_life((folder_ / "sphere.obj").string(), medium("", number("sigma_t", 0.3))));
+    EXPECT_EQ(numbers_of(shared.render({.per_pixel = 8, .threads = 1})),
+              numbers_of(shared.render({.per_pixel = 8, .threads = 7})));
 }
 
 TEST_F(PathReuse, LessNoiseInAMatteRoom) {

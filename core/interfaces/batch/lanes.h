@@ -57,7 +57,7 @@ struct SurfaceSampleLanes {
     }
 };
 
-/// Values and densities of BSDFs (BSDFValue).
+/// Values and densities of BSDFs (BSDFValue), or of phase functions, which have no colour.
 struct BSDFValueLanes {
     Vector3Lanes f;
     FloatLanes pdf;
