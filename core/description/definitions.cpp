@@ -61,12 +61,23 @@ bool Definitions::append_expanded(std::string_view value, Location where, std::s
         result += value.substr(0, dollar);
         if (dollar < value.size()) {
             value.remove_prefix(dollar + 1);
+            const std::string_view start = value;
             const std::string_view name = split_name(value);
             if (name.empty()) {
                 diagnostics_.error(where, "expected a name after \"$\": $name or ${name}");
                 return false;
             }
-            const auto found = definitions_.find(name);
+            auto found = definitions_.find(name);
+            // As in Mitsuba, a name may go on as text: $part1 is $part and "1".
+            for (std::size_t n = name.size() - 1; found == definitions_.end() && n > 0; --n) {
+                if (start.starts_with('{')) break;
+                found = definitions_.find(start.substr(0, n));
+                if (found == definitions_.end()) continue;
+                value = start.substr(n);
+                diagnostics_.warning(
+                    where, fmt::format("\"${}\" has no value; it is taken as ${{{}}}{}", name,
+                                       start.substr(0, n), name.substr(n)));
+            }
             if (found == definitions_.end()) {
                 const std::vector<std::string> names = names_in_scene();
                 diagnostics_.error(

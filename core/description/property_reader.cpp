@@ -2,12 +2,15 @@
 #include "core/description/property_reader.h"
 
 #include "core/base/find_file.h"
+#include "core/description/legacy.h"
 #include "core/description/spectrum_plugin.h"
 #include "core/description/values.h"
 #include "core/image/spectrum.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <stdexcept>
 
@@ -67,6 +70,17 @@ bool is_finite(const Matrix4d& matrix) {
         }
     }
     return true;
+}
+
+/// What the values of a spectrum are, by the name of the parameter: only reflectances end at 1.
+SpectrumUse spectrum_use(const Tag& tag, const ReadContext& context) {
+    if (context.in_emitter) return SpectrumUse::emission;
+    constexpr std::array<std::string_view, 7> quantities = {
+        "eta", "k", "emission", "value", "sigma_a", "sigma_s", "sigma_t"};
+    const std::string name(tag.value("name"));
+    const bool unbounded = std::ranges::find(quantities, context.legacy ? legacy_name(name)
+                                                                        : name) != quantities.end();
+    return unbounded ? SpectrumUse::quantity : SpectrumUse::reflectance;
 }
 
 }  // namespace
@@ -171,8 +185,7 @@ std::optional<Rgb> PropertyReader::read_spectrum_tag(const Tag& tag, const ReadC
     const char* const attribute = tag.has("value") ? "value" : "filename";
     return attempt(tag, attribute, [&]() -> Rgb {
         const std::string_view text = tag.value(attribute);
-        const SpectrumUse use =
-            context.in_emitter ? SpectrumUse::emission : SpectrumUse::reflectance;
+        const SpectrumUse use = spectrum_use(tag, context);
         if (tag.has("filename")) {
             const std::filesystem::path path = find_file(text, description_.search_paths);
             description_.found_files.push_back({tag.where(attribute), path.string()});
@@ -211,7 +224,7 @@ std::optional<PropertyValue> PropertyReader::read_spectrum_object(const Tag& tag
     }
     if (!valid) return {};
     return read_spectrum_plugin(tag.value("type"), tag.where("type"), properties,
-                                context.in_emitter, diagnostics_);
+                                spectrum_use(tag, context), diagnostics_);
 }
 
 std::optional<Rgb> PropertyReader::read_blackbody(const Tag& tag) {

@@ -2,7 +2,6 @@
 #include "core/description/spectrum_plugin.h"
 
 #include "core/description/values.h"
-#include "core/image/spectrum.h"
 
 #include <fmt/format.h>
 
@@ -106,8 +105,7 @@ Spectrum irregular(Parts& parts) {
 constexpr std::array<std::string_view, 7> types = {"blackbody", "d65",  "irregular", "rawconstant",
                                                    "regular",   "srgb", "uniform"};
 
-PropertyValue value_of(std::string_view type, Parts& parts, bool in_emitter) {
-    const SpectrumUse use = in_emitter ? SpectrumUse::emission : SpectrumUse::reflectance;
+PropertyValue value_of(std::string_view type, Parts& parts, SpectrumUse use) {
     if (type == "uniform") return Rgb{ColorD(parts.number("value"))};
     if (type == "srgb") return Rgb{parts.color("color")};
     if (type == "rawconstant") return Rgb{parts.numbers("value")};
@@ -126,7 +124,7 @@ bool is_spectrum_plugin(std::string_view type) {
 
 std::optional<PropertyValue> read_spectrum_plugin(std::string_view type, Location type_place,
                                                   const std::vector<Property>& properties,
-                                                  bool in_emitter, Diagnostics& diagnostics) {
+                                                  SpectrumUse use, Diagnostics& diagnostics) {
     if (!is_spectrum_plugin(type)) {
         const std::vector<std::string> known(types.begin(), types.end());
         diagnostics.error(type_place,
@@ -136,7 +134,7 @@ std::optional<PropertyValue> read_spectrum_plugin(std::string_view type, Locatio
     }
     Parts parts(type, type_place, properties);
     try {
-        PropertyValue value = value_of(type, parts, in_emitter);
+        PropertyValue value = value_of(type, parts, use);
         parts.require_all_known();
         return value;
     } catch (const TransientFileError&) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/description/description.h"
+#include "core/image/spectrum.h"
 
 #include <optional>
 
@@ -15,10 +16,10 @@ namespace lucerna {
 /// (temperature, scale).
 bool is_spectrum_plugin(std::string_view type);
 
-/// The colour, or numbers, of one with these properties; `in_emitter`: as light, not as a
-/// reflectance. Empty if something is wrong, which is reported.
+/// The colour, or numbers, of one with these properties. Empty if something is wrong, which is
+/// reported.
 std::optional<PropertyValue> read_spectrum_plugin(std::string_view type, Location type_place,
                                                   const std::vector<Property>& properties,
-                                                  bool in_emitter, Diagnostics& diagnostics);
+                                                  SpectrumUse use, Diagnostics& diagnostics);
 
 }  // namespace lucerna

@@ -333,6 +333,13 @@ void ColorConfig::to_rendering(Image& image, std::string_view space) const {
     if (automatic && (image.srgb_encoded || image.gamma != 1)) {
         transform_colors(image, [&](float v) { return decoded(image, v); });
     }
+    const bool is_xyz = image.channels.size() >= 3 && image.channels[0] == "X" &&
+                        image.channels[1] == "Y" && image.channels[2] == "Z";
+    if (automatic && is_xyz) {
+        multiply_colors(image, rec709_from_xyz);
+        std::ranges::copy(std::array{"R", "G", "B"}, image.channels.begin());
+        image.chromaticities.reset();
+    }
     const std::optional<Chromaticities> chromaticities = image.chromaticities;
     image.srgb_encoded = false;
     image.gamma = 1;

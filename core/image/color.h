@@ -27,6 +27,11 @@ Color linear_to_srgb(Color linear);
 /// Linear light of a value of an image that is encoded as `image` says.
 float decoded(const Image& image, float value);
 
+/// XYZ under D65 to linear Rec.709: the inverse of the primaries of ITU-R BT.709-6; columns.
+inline const Matrix3d rec709_from_xyz(3.2409699419045226, -0.9692436362808796, 0.0556300796969936,
+                                      -1.5373831775700940, 1.8759675015077202, -0.2039769588889765,
+                                      -0.4986107602930034, 0.0415550574071756, 1.0569715142428786);
+
 /// Matrix from linear RGB of these primaries and white to linear Rec.709; the white is adapted by
 /// the Bradford transform. Throws Error if the primaries span no triangle.
 Matrix3d rec709_from(const Chromaticities& chromaticities);
@@ -61,7 +66,8 @@ public:
 
     /// Converts an image in place to the rendering space and clears what it says of itself. `space`
     /// is any name or alias of the configuration, "raw" (numbers, left as they are), or "auto": the
-    /// curve and the chromaticities that the image names; linear Rec.709 if it names none.
+    /// curve and the chromaticities that the image names, or channels X, Y and Z; linear Rec.709 if
+    /// it names none.
     /// Alpha stays. Throws Error with the names there are if there is no such space.
     void to_rendering(Image& image, std::string_view space = "auto") const;
     /// The same for one colour; "auto" is linear Rec.709.

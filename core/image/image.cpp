@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "core/base/error.h"
 
@@ -26,10 +27,36 @@ std::string_view channel_of(std::string_view plane) {
     return plane.substr(plane.rfind('.') + 1);  // npos + 1 is 0
 }
 
-/// Colour first, then alpha, then everything else.
-std::size_t channel_rank(std::string_view channel) {
-    constexpr std::array<std::string_view, 5> order{"R", "G", "B", "Y", "A"};
+/// Names of channels as OpenEXR has them for what others call "r", "red" or "Red".
+std::string standard_name(std::string_view channel) {
+    std::string name(channel);
+    std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+    for (const char* const known : {"red", "green", "blue", "alpha", "r", "g", "b", "a"}) {
+        if (name == known) return std::string(1, static_cast<char>(std::toupper(name[0])));
+    }
+    return std::string(channel);
+}
+
+/// Colour first, then alpha, then everything else. Z is depth, but for what has an X, too.
+std::size_t channel_rank(std::string_view channel, bool is_xyz) {
+    constexpr std::array<std::string_view, 5> rgb{"R", "G", "B", "Y", "A"};
+    constexpr std::array<std::string_view, 5> xyz{"X", "Y", "Z", "A"};
+    const auto& order = is_xyz ? xyz : rgb;
     return std::size_t(std::find(order.begin(), order.end(), channel) - order.begin());
+}
+
+/// Empty if the first channels are a colour or a grey, else what is made of them.
+std::string notice_of_channels(const std::vector<std::string>& names) {
+    const auto begins = [&](const std::vector<std::string>& first) {
+        return names.size() >= first.size() &&
+               std::equal(first.begin(), first.end(), names.begin());
+    };
+    if (names.size() < 2 || begins({"R", "G", "B"}) || begins({"X", "Y", "Z"}) || begins({"Y"})) {
+        return {};
+    }
+    return fmt::format("its channels are {}; {}", join(names),
+                       names.size() < 3 ? fmt::format("\"{}\" is taken as grey", names[0])
+                                        : "the first three are taken as red, green and blue");
 }
 
 }  // namespace
@@ -82,15 +109,21 @@ Image to_image(const ImageFile& file, std::string_view layer) {
         throw Error(fmt::format("there is no layer \"{}\" in the image; there are: \"{}\"", layer,
                                 join(file.layers(), "\", \"")));
     }
-    std::stable_sort(chosen.begin(), chosen.end(), [](const Plane* a, const Plane* b) {
-        return channel_rank(channel_of(a->name)) < channel_rank(channel_of(b->name));
+    const auto name_of = [](const Plane* p) { return standard_name(channel_of(p->name)); };
+    const auto has = [&](const char* name) {
+        return std::ranges::find(chosen, name, name_of) != chosen.end();
+    };
+    const bool is_xyz = has("X") && has("Y") && has("Z") && !has("R");
+    std::stable_sort(chosen.begin(), chosen.end(), [&](const Plane* a, const Plane* b) {
+        return channel_rank(name_of(a), is_xyz) < channel_rank(name_of(b), is_xyz);
     });
 
     std::vector<std::string> names;
-    for (const Plane* p : chosen) names.emplace_back(channel_of(p->name));
+    for (const Plane* p : chosen) names.push_back(name_of(p));
+    const std::string notice = notice_of_channels(names);
     Image image(file.width, file.height, std::move(names));
     image.chromaticities = file.chromaticities;
-    image.notice = file.notice;
+    image.notice = file.notice + (file.notice.empty() || notice.empty() ? "" : "; ") + notice;
     for (std::size_t c = 0; c < chosen.size(); ++c) {
         const auto interleave = [&](const auto& samples) {
             if (samples.size() != image.pixel_count()) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <string_view>
 
@@ -12,6 +13,7 @@
 #include "core/image/exr.h"
 #include "core/image/hdr.h"
 #include "core/image/jpeg.h"
+#include "core/image/plain_formats.h"
 #include "core/image/png.h"
 
 namespace lucerna {
@@ -24,6 +26,35 @@ bool starts_with(std::span<const std::uint8_t> bytes, std::string_view signature
                       [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
+/// The format has no signature in front, and the one at its end is newer than many files.
+bool is_tga(std::span<const std::uint8_t> bytes, const std::filesystem::path& path) {
+    constexpr std::string_view signature("TRUEVISION-XFILE.\0", 18);
+    if (bytes.size() > signature.size() &&
+        starts_with(bytes.subspan(bytes.size() - signature.size()), signature)) {
+        return true;
+    }
+    const std::string extension = path.extension().string();
+    return !bytes.empty() && (extension == ".tga" || extension == ".TGA");
+}
+
+/// The layer without a name, or, where all have one, the first of a whole colour: programs that
+/// write many layers give a name to each.
+Image main_layer(const ImageFile& file) {
+    const std::vector<std::string> layers = file.layers();
+    if (std::ranges::find(layers, "") != layers.end()) return to_image(file);
+    const auto is_colored = [&](const std::string& layer) {
+        return std::ranges::all_of(std::array{"R", "G", "B"}, [&](const char* channel) {
+            return file.plane(fmt::format("{}.{}", layer, channel)) != nullptr;
+        });
+    };
+    const auto chosen = std::ranges::find_if(layers, is_colored);
+    if (chosen == layers.end()) return to_image(file);
+    Image image = to_image(file, *chosen);
+    image.notice += fmt::format("{}all its channels are in layers, of which \"{}\" is used",
+                                image.notice.empty() ? "" : "; ", *chosen);
+    return image;
+}
+
 }  // namespace
 
 Image read_image(const std::filesystem::path& path, ExrWindow window) {
@@ -32,7 +63,7 @@ Image read_image(const std::filesystem::path& path, ExrWindow window) {
     if (starts_with(bytes, "\x76\x2f\x31\x01")) {
         const ImageFile file = decode_exr(bytes, name);
         try {
-            const Image stored = to_image(file);
+            const Image stored = main_layer(file);
             const Vector2i size(file.full_width, file.full_height);
             const bool whole =
                 size == Vector2i(file.width, file.height) && file.x == 0 && file.y == 0;
@@ -45,6 +76,11 @@ Image read_image(const std::filesystem::path& path, ExrWindow window) {
     if (starts_with(bytes, "\x89PNG")) return decode_png(bytes, name);
     if (starts_with(bytes, "\xff\xd8\xff")) return decode_jpeg(bytes, name);
     if (starts_with(bytes, "#?")) return decode_hdr(bytes, name);
+    if (starts_with(bytes, "BM")) return decode_bmp(bytes, name);
+    for (const char* type : {"P5", "P6", "Pf", "PF"}) {
+        if (starts_with(bytes, type)) return decode_portable_map(bytes, name);
+    }
+    if (is_tga(bytes, path)) return decode_tga(bytes, name);
     throw FileError(
         fmt::format("{}: is {}; convert it to OpenEXR, PNG, JPEG or Radiance (.hdr)", name,
                     bytes.empty() ? "empty" : "not an image of a format that can be read"));

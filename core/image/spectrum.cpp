@@ -11,15 +11,11 @@
 #include "core/base/error.h"
 #include "core/base/file_bytes.h"
 #include "core/image/cie_tables.h"
+#include "core/image/color.h"
 
 namespace lucerna {
 
 namespace {
-
-/// XYZ under D65 to linear Rec.709: the inverse of the primaries of ITU-R BT.709-6; columns.
-const Matrix3d rec709_from_xyz(3.2409699419045226, -0.9692436362808796, 0.0556300796969936,
-                               -1.5373831775700940, 1.8759675015077202, -0.2039769588889765,
-                               -0.4986107602930034, 0.0415550574071756, 1.0569715142428786);
 
 /// The middles of steps of 0.5 nm: fine enough that the knots of spectra need no care.
 constexpr int quadrature_points = 940;
@@ -57,9 +53,10 @@ const Vector3d& white_of_reflectances() {
 
 template <typename F>
 Color convert(const F& spectrum, SpectrumUse use) {
-    if (use == SpectrumUse::reflectance) {
+    if (use != SpectrumUse::emission) {
         const Vector3d rgb = rec709_from_xyz * integrate(spectrum, true) / white_of_reflectances();
-        return Color(glm::clamp(rgb, Vector3d(0), Vector3d(1)));
+        const double largest = use == SpectrumUse::reflectance ? 1 : infinity;
+        return Color(glm::clamp(rgb, Vector3d(0), Vector3d(largest)));
     }
     static const double luminance_of_one = integrate(constant_one, false).y;
     const Vector3d rgb = rec709_from_xyz * integrate(spectrum, false) / luminance_of_one;
@@ -110,8 +107,9 @@ Color rgb_from_spectrum(const Spectrum& spectrum, SpectrumUse use) {
                                 spectrum.wavelengths[i], spectrum.wavelengths[i - 1]));
     }
     // Not left to the quadrature, so that it is exact.
-    if (constant && use == SpectrumUse::reflectance) {
-        return Color(static_cast<float>(std::clamp(spectrum.values[0], 0.0, 1.0)));
+    if (constant && use != SpectrumUse::emission) {
+        const double largest = use == SpectrumUse::reflectance ? 1 : infinity;
+        return Color(static_cast<float>(std::clamp(spectrum.values[0], 0.0, largest)));
     }
     return convert([&](double wavelength) { return spectrum.at(wavelength); }, use);
 }
@@ -149,6 +147,8 @@ Color blackbody(double kelvin) {
 Spectrum parse_spectrum(std::string_view text, const std::string& name) {
     Spectrum spectrum;
     int number = 0;
+    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
     while (!text.empty()) {
         ++number;
         const std::size_t end = std::min(text.find('\n'), text.size());

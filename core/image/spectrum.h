@@ -8,8 +8,9 @@
 ///                 white, RGB (1.205, 0.948, 0.909), which has luminance 1.
 ///   reflectance   as seen under D65: RGB of ∫ s D65 (x̄, ȳ, z̄) dλ, each channel divided by what
 ///                 s = 1 gives. A constant spectrum c gives (c, c, c) exactly.
+///   quantity      as a reflectance, but without a bound: an index of refraction, an extinction.
 ///
-/// Indices of refraction and other physical quantities without a bound follow `emission`.
+/// The tables of metals follow `emission`, as Mitsuba's do.
 /// Colours outside the gamut are clamped at 0, reflectances also at 1.
 #pragma once
 
@@ -30,7 +31,7 @@ struct Spectrum {
     double at(double wavelength) const;
 };
 
-enum class SpectrumUse { emission, reflectance };
+enum class SpectrumUse { emission, reflectance, quantity };
 
 /// Linear Rec.709 of a spectrum. Throws Error if its wavelengths do not rise, or the numbers of
 /// wavelengths and values do not fit.

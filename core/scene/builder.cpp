@@ -247,18 +247,19 @@ void check_size(const Shape& shape, Location where, Diagnostics& diagnostics) {
     }
 }
 
+bool is_in_a_shape(const Element& scene, const Element& element) {
+    return std::ranges::any_of(scene.children, [&](const Child& child) {
+        return child.element->kind == Shape::kind &&
+               std::ranges::any_of(child.element->children,
+                                   [&](const Child& inner) { return inner.element == &element; });
+    });
+}
+
 std::optional<Construction> construct_all(const Description& description, Registry& registry,
                                           Diagnostics& diagnostics, Vector3d origin) {
     ObjectBuilder builder(description, registry, diagnostics, origin);
     SceneParts parts;
     parts.origin = origin;
-    const auto only_one = [&](bool already, const Child& child) {
-        if (already) {
-            diagnostics.error(child.where,
-                              fmt::format("the scene has a second {}; it can have only one",
-                                          child.element->kind));
-        }
-    };
     for (const Child& child : description.root->children) {
         const std::string& kind = child.element->kind;
         if (kind == Shape::kind) {
@@ -269,15 +270,24 @@ std::optional<Construction> construct_all(const Description& description, Regist
         } else if (kind == Emitter::kind) {
             auto* emitter = static_cast<Emitter*>(builder.build(*child.element));
             if (emitter && emitter->on_surface()) {
+                // Shapes that refer to it carry it.
+                if (is_in_a_shape(*description.root, *child.element)) continue;
                 diagnostics.error(child.where, fmt::format("emitter \"{}\" must be inside a shape",
                                                            child.element->type));
             }
             parts.emitters.push_back(emitter);
         } else if (kind == Integrator::kind) {
-            only_one(parts.integrator, child);
+            if (parts.integrator) {
+                diagnostics.error(child.where,
+                                  "the scene has a second integrator; it can have only one");
+            }
             parts.integrator = static_cast<Integrator*>(builder.build(*child.element));
         } else if (kind == Sensor::kind) {
-            only_one(parts.sensor, child);
+            if (parts.sensor) {
+                diagnostics.warning(child.where,
+                                    "the scene has several sensors: the first is used");
+                continue;
+            }
             parts.sensor = static_cast<Sensor*>(builder.build(*child.element));
         }
         // BSDFs, textures and the like are built when something refers to them.

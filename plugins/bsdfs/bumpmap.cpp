@@ -11,7 +11,7 @@ namespace {
 class BumpMap final : public PerturbedBSDF {
 public:
     explicit BumpMap(const Params& params)
-        : PerturbedBSDF(*params.all_nested<BSDF>({1, 1}, "what the surface is made of").front()),
+        : PerturbedBSDF(params),
           height_(*params.all_nested<Texture>({1, 1}, "height of the surface").front()),
           scale_(params.real("scale", 1, any_value, "factor of the height")) {
         if (height_.attribute().empty()) return;

@@ -11,7 +11,7 @@ namespace {
 class NormalMap final : public PerturbedBSDF {
 public:
     explicit NormalMap(const Params& params)
-        : PerturbedBSDF(*params.all_nested<BSDF>({1, 1}, "what the surface is made of").front()),
+        : PerturbedBSDF(params),
           normals_(*params.all_nested<Texture>({1, 1}, "normalmap: the normals, raw").front()) {}
 
 protected:

@@ -9,7 +9,7 @@ class Homogeneous final : public Medium {
 public:
     explicit Homogeneous(const Params& params) : Medium(params) {
         const MediumCoefficients coefficients(params);
-        if (!coefficients.constant()) {
+        if (coefficients.resolution() != glm::ivec3(1)) {
             throw Error(
                 "a homogeneous medium takes volumes of one value; \"heterogeneous\" varies");
         }

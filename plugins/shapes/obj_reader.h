@@ -113,7 +113,8 @@ private:
         polygon_.clear();
         while (!at_line_end()) polygon_.push_back(read_corner());
         if (polygon_.size() < 3) {
-            at_.fail(fmt::format("a face needs 3 vertices or more, not {}", polygon_.size()));
+            if (flat_faces_++ == 0) first_flat_face_ = at_.at_this_line("");
+            return;
         }
         if (!mesh_.add_polygon(polygon_)) {
             at_.fail(fmt::format("a face that is not convex has {} vertices, more than {}; cut it",
@@ -162,6 +163,11 @@ private:
             mesh_.warnings.push_back(fmt::format("{}statements \"{}\" are not read: only faces are",
                                                  first_unread_, fmt::join(unread_, "\", \"")));
         }
+        if (flat_faces_ > 0) {
+            mesh_.warnings.push_back(fmt::format(
+                "{}{} of fewer than 3 vertices {} left out", first_flat_face_,
+                flat_faces_ == 1 ? "a face" : "faces", flat_faces_ == 1 ? "is" : "are"));
+        }
         if (has_colors_) {
             mesh_.warnings.push_back(fmt::format("{}: vertex colours are not read", mesh_.name));
         }
@@ -185,6 +191,8 @@ private:
     std::set<std::string> used_materials_, unread_;
     std::string first_unread_;  ///< its place
     bool has_colors_ = false;
+    std::size_t flat_faces_ = 0;   ///< of fewer than 3 vertices
+    std::string first_flat_face_;  ///< its place
 };
 
 /// The mesh of an OBJ file. Throws Error.

@@ -9,7 +9,9 @@ namespace {
 
 class ShapeGroup final : public GroupShape {
 public:
-    explicit ShapeGroup(const Params& params) : GroupShape(params, ", once for each instance") {}
+    explicit ShapeGroup(const Params& params) : GroupShape(params, ", once for each instance") {
+        params.no_effect("to_world", "each instance places the group by its own");
+    }
 };
 
 }  // namespace

@@ -23,7 +23,10 @@ public:
         : at_(reinterpret_cast<const char*>(bytes.data())),
           end_(at_ + bytes.size()),
           name_(std::move(name)),
-          line_(line) {}
+          line_(line) {
+        constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+        if (std::string_view(at_, remaining()).starts_with(byte_order_mark)) at_ += 3;
+    }
 
     bool at_end() const { return at_ == end_; }
     bool at_line_end() const { return at_ == end_ || *at_ == '\n' || *at_ == '\r'; }

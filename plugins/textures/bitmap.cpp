@@ -82,7 +82,8 @@ std::optional<std::size_t> find_channel(const Image& image, std::string_view nam
 class Bitmap final : public Texture {
 public:
     explicit Bitmap(const Params& params)
-        : path_(params.file("filename", "OpenEXR, PNG, JPEG or Radiance picture")),
+        : path_(params.file("filename",
+                            "OpenEXR, PNG, JPEG, Radiance, BMP, TGA, PPM or PFM picture")),
           raw_(params.boolean("raw", false, "numbers, not colours: no conversion")),
           nearest_(params.choice<bool>(
               "filter_type", false,

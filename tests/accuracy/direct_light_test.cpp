@@ -56,6 +56,21 @@ const std::string square_mesh =
     "<shape type='obj'><string name='filename' value='square.obj'/>" + area_light(1) + "</shape>";
 const char* const square_obj = "v -.5 -.5 1\nv .5 -.5 1\nv .5 .5 1\nv -.5 .5 1\nf 1 3 2\nf 1 4 3\n";
 
+TEST(DirectLight, P8_ShapesReferToOneEmitter) {
+    const std::string lamp = "<ref id='lamp'/>";
+    const std::string scene =
+        "<emitter type='area' id='lamp'><rgb name='radiance' value='1'/></emitter>" +
+        shape("rectangle", scale(0.5) + look({0, 0, 1}, {0, 0, 0}), diffuse(0) + lamp) +
+        shape("rectangle", scale(0.5) + look({2, 0, 1}, {2, 0, 0}), diffuse(0) + lamp);
+    double expected = 0;
+    for (const double x : {0.0, 2.0}) {
+        expected += polygon_irradiance(
+            {{x - 0.5, -0.5, 1}, {x + 0.5, -0.5, 1}, {x + 0.5, 0.5, 1}, {x - 0.5, 0.5, 1}}, origin,
+            up);
+    }
+    EXPECT_TRUE(agrees(irradiance(scene, origin, up, 256), expected));
+}
+
 struct SquareCase {
     Vector3d p, n;
     double irradiance;

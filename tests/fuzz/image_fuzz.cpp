@@ -4,6 +4,7 @@
 #include "core/image/exr.h"
 #include "core/image/hdr.h"
 #include "core/image/jpeg.h"
+#include "core/image/plain_formats.h"
 #include "core/image/png.h"
 
 #include <cstdint>
@@ -22,5 +23,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     attempt(lucerna::decode_jpeg);
     attempt(lucerna::decode_hdr);
     attempt(lucerna::decode_exr);
+    attempt(lucerna::decode_bmp);
+    attempt(lucerna::decode_tga);
+    attempt(lucerna::decode_portable_map);
     return 0;
 }

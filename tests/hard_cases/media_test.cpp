@@ -159,6 +159,18 @@ TEST(Boundaries, G14_ALightIsSeenThroughItsOwnMedium) {
 }
 
 /// Shapes that are placed by instances have media, too.
+TEST(Media, P8_HomogeneousOnesTakeAVolumeOfOneValue) {
+    // Though the volume would end at the unit cube.
+    const std::string medium =
+        "<bsdf type='null'/><medium type='homogeneous' name='interior'>"
+        "<volume name='sigma_t' type='constvolume'><float name='value' value='0.5'/></volume>"
+        "<rgb name='albedo' value='0'/></medium>";
+    const TestCamera along{.to_world = look({0, 0, 9}, {0, 0, 0}), .fov = 0.01};
+    const FilmState film = TestScene(volpath() + xml(along) + sky + shape("cube", "", medium))
+                               .render({.per_pixel = 1024});
+    EXPECT_TRUE(agrees(pixel_statistics(film), std::exp(-1.0)));
+}
+
 TEST(Media, InInstances) {
     const std::string ball = sphere({0, 0, 0}, 1,
                                     null_surface +

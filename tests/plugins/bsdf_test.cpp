@@ -598,6 +598,50 @@ TEST_F(BSDFs, D14_normals_turned_away_are_not_black) {
     }
 }
 
+/// A matte surface whose normal is tilted by `degrees` towards +x.
+std::string tilted(double degrees, const std::string& more = "") {
+    const double angle = degrees * std::numbers::pi / 180;
+    return bsdf("normalmap", fmt::format("<texture name='normalmap' type='rawconstant'>"
+                                         "<vector name='value' x='{}' y='0.5' z='{}'/></texture>",
+                                         0.5 + 0.5 * std::sin(angle), 0.5 + 0.5 * std::cos(angle)) +
+                                 more + bsdf("diffuse"));
+}
+
+/// f |cos θi| of a viewer and of light from these directions, of any length.
+float reflected(const BSDF& bsdf, Vector3 viewer, Vector3 light) {
+    const Vector3 wo = glm::normalize(viewer), wi = glm::normalize(light);
+    const float value = bsdf.evaluate(surface(), wo, wi, modes[0]).f.x * std::abs(wi.z);
+    const float adjoint =
+        bsdf.evaluate(surface(), wi, wo, TransportMode::importance).f.x * std::abs(wi.z);
+    EXPECT_NEAR(value, adjoint, 1e-6f);
+    return value;
+}
+
+/// Expected: what Mitsuba 3.9.1 (scalar_rgb) evaluates.
+TEST_F(BSDFs, D13_D14_low_light_is_shadowed_by_bumps) {
+    const std::string off = "<boolean name='use_shadowing_function' value='false'/>";
+    const auto ratio = [&](double degrees, Vector3 light) {
+        return reflected(*workshop->make(tilted(degrees)), {0, 0, 1}, light) /
+               reflected(*workshop->make(tilted(degrees, off)), {0, 0, 1}, light);
+    };
+    EXPECT_NEAR(reflected(*workshop->make(tilted(40, off)), {0, 0, 1}, {1, 1, 0.3f}), 0.0961, 1e-4);
+    EXPECT_NEAR(ratio(20, {1, 1, 0.3f}), 0.9218, 1e-4);
+    EXPECT_NEAR(ratio(40, {1, 1, 0.3f}), 0.7355, 1e-4);
+    EXPECT_NEAR(ratio(60, {1, 1, 0.3f}), 0.4932, 1e-4);
+    EXPECT_NEAR(ratio(60, {-0.3f, 0.5f, 1}), 0.97, 1e-4);
+    EXPECT_NEAR(ratio(60, {0, 0, 1}), 1, 1e-6);
+}
+
+/// Expected: what Mitsuba 3.9.1 (scalar_rgb) evaluates.
+TEST_F(BSDFs, D14_normals_turned_away_are_tilted_the_other_way) {
+    const Vector3 viewer(-1, 0, 0.3f);
+    const std::string black = "<boolean name='flip_invalid_normals' value='false'/>";
+    EXPECT_NEAR(reflected(*workshop->make(tilted(60)), viewer, {0, 0, 1}), 0.079577468, 1e-6);
+    EXPECT_NEAR(reflected(*workshop->make(tilted(60)), viewer, {-1, 0, 1}), 0.141518533, 1e-5);
+    EXPECT_EQ(reflected(*workshop->make(tilted(60)), viewer, {1, 0, 1}), 0);
+    EXPECT_EQ(reflected(*workshop->make(tilted(60, black)), viewer, {0, 0, 1}), 0);
+}
+
 TEST_F(BSDFs, flat_maps_change_nothing) {
     const BSDF& diffuse = *workshop->make(bsdf("roughplastic"));
     const BSDF& bumped = *workshop->make(

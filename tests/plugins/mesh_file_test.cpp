@@ -142,6 +142,18 @@ TEST(Obj, what_is_not_read_is_told) {
                         "file"}));
 }
 
+TEST(Obj, P5_faces_without_an_inside_are_left_out_and_told) {
+    const MeshData mesh = obj(square + std::string("f 1 2\nf 1 2 3\nf 4\n"));
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
+    EXPECT_EQ(mesh.warnings, (Warnings{"a.obj:5: faces of fewer than 3 vertices are left out"}));
+}
+
+TEST(Obj, P5_a_byte_order_mark_is_no_statement) {
+    const MeshData mesh = obj("\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
+    EXPECT_EQ(mesh.warnings, Warnings());
+}
+
 TEST(Obj, a_position_with_very_many_texture_coordinates_is_read_quickly) {
     // A search among all corners of the position would take minutes.
     std::string text = square;
@@ -160,7 +172,6 @@ TEST(Obj, L1_wrong_files_are_refused_with_the_line) {
         {"vt 0 0\nf 1/2 2/1 3/1\n",
          "a.obj:6: the face uses texture coordinate 2, but 1 is defined so far"},
         {"f 1//1 2//1 3//1\n", "a.obj:5: the face uses normal 1, but 0 are defined so far"},
-        {"f 1 2\n", "a.obj:5: a face needs 3 vertices or more, not 2"},
         {"f 1 2 3x\n", "a.obj:5: a corner of a face should be written v, v/vt, v//vn or v/vt/vn"},
         {"f 1 2 x\n", "a.obj:5: vertex should be a whole number, not \"x\""},
         {"v 1 2\n", "a.obj:5: a coordinate should be a number, not \"\""},

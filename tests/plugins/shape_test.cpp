@@ -522,6 +522,15 @@ TEST(Instance, B11_shows_what_the_shape_itself_would) {
     EXPECT_LT(glm::length(box.max - expected.max), 1e-5f);
 }
 
+TEST(Instance, P8_a_group_is_placed_by_its_instances_only) {
+    const World world("<shape type='shapegroup' id='g'>" + to_world("<translate x='5'/>") +
+                      shape("sphere") + "</shape>" + shape("instance", "<ref id='g'/>"));
+    EXPECT_LT(glm::distance(world.scene().bounds().max, Vector3(1)), 1e-5f);
+    ASSERT_FALSE(world.diagnostics().all().empty());
+    EXPECT_EQ(world.diagnostics().all()[0].message,
+              "\"to_world\" has no effect: each instance places the group by its own");
+}
+
 TEST(Instance, hits_depend_on_nothing_that_was_hit_before) {
     const World world("<shape type='shapegroup' id='g'>" + shape("cube") + "</shape>" +
                       shape("instance", "<ref id='g'/>" + to_world("<scale x='9' y='7' z='8'/>"

@@ -154,6 +154,47 @@ TEST(XmlReader, SpectrumPluginsAreColours) {
               value_of<Rgb>(*d.root->children[1].element, "even").value);
 }
 
+TEST(XmlReader, P8_ANameAfterADollarMayGoOnAsText) {
+    Diagnostics diagnostics;
+    const Description d = read_scene_text(
+        "<scene version='3.0.0'><default name='part' value='ball'/>"
+        "<default name='part2' value='cube'/>"
+        "<shape type='obj'><string name='a' value='$part1.obj'/>"
+        "<string name='b' value='$part2.obj'/><string name='c' value='${part}1.obj'/></shape>"
+        "</scene>",
+        "scene.xml", {}, diagnostics);
+    const Element& shape = *d.root->children[0].element;
+    EXPECT_EQ(value_of<std::string>(shape, "a"), "ball1.obj");
+    EXPECT_EQ(value_of<std::string>(shape, "b"), "cube.obj");
+    EXPECT_EQ(value_of<std::string>(shape, "c"), "ball1.obj");
+    ASSERT_EQ(diagnostics.all().size(), 1u);
+    EXPECT_EQ(diagnostics.all()[0].message, "\"$part1\" has no value; it is taken as ${part}1");
+    EXPECT_EQ(diagnostics.error_count(), 0);
+    EXPECT_NE(errors_of("<scene version='3.0.0'><default name='part' value='ball'/>"
+                        "<shape type='${part1}'/></scene>"),
+              "");
+}
+
+/// Expected for eta and k: what Mitsuba 3.9.1 (scalar_rgb) makes of them.
+TEST(XmlReader, P8_SpectraOfPhysicalQuantitiesAreNotCutAtOne) {
+    const std::string eta = "value='400:1.2,500:1.0,600:0.4,700:0.2'";
+    const std::string k = "value='400:2,500:2,600:3,700:4'";
+    const Description d =
+        read_content("<bsdf type='conductor'><spectrum name='eta' " + eta +
+                     "/><spectrum name='k' " + k + "/><spectrum name='specular_reflectance' " + k +
+                     "/></bsdf><medium type='m'><spectrum name='sigma_t' " + k + "/></medium>");
+    const Element& bsdf = *d.root->children[0].element;
+    const auto near = [](ColorD a, ColorD b) {
+        return glm::distance(a, b) < 2e-3 * glm::length(b);
+    };
+    EXPECT_TRUE(near(value_of<Rgb>(bsdf, "eta").value, {0.217593, 0.75108, 1.13994}));
+    const ColorD extinction = value_of<Rgb>(bsdf, "k").value;
+    EXPECT_TRUE(near(extinction, {3.43622, 2.39058, 1.91836}));
+    EXPECT_EQ(value_of<Rgb>(bsdf, "specular_reflectance").value, ColorD(1));
+    const Element& medium = *d.root->children[1].element;
+    EXPECT_EQ(value_of<Rgb>(medium, "sigma_t").value, extinction);
+}
+
 TEST(XmlReader, OneValueOfASpectrumIsEqualEnergyAsLightSinceVersion2) {
     const auto read = [](const std::string& version) {
         const TemporaryFolder folder;

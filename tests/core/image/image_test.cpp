@@ -57,6 +57,36 @@ TEST(ImageFile, ColourComesFirst) {
     EXPECT_EQ(image.pixels, (std::vector<float>{1, 2, 3, 1, 10, 20, 30, 1}));
 }
 
+/// One pixel, whose values are 1, 2, 3, … in the order of the names.
+ImageFile pixel_of(const std::vector<std::string>& names) {
+    ImageFile file{.width = 1, .height = 1};
+    for (const std::string& name : names) {
+        const auto value = static_cast<float>(file.planes.size() + 1);
+        file.planes.push_back({name, std::vector<float>{value}});
+    }
+    return file;
+}
+
+TEST(ImageFile, P3_ChannelsAreKnownByAnyOfTheirNames) {
+    using Names = std::vector<std::string>;
+    using Values = std::vector<float>;
+    const Image small = to_image(pixel_of({"a", "b", "g", "r"}));
+    EXPECT_EQ(small.channels, (Names{"R", "G", "B", "A"}));
+    EXPECT_EQ(small.pixels, (Values{4, 3, 2, 1}));
+    EXPECT_EQ(to_image(pixel_of({"Blue", "green", "RED"})).pixels, (Values{3, 2, 1}));
+    EXPECT_EQ(to_image(pixel_of({"A", "X", "Y", "Z"})).channels, (Names{"X", "Y", "Z", "A"}));
+    EXPECT_EQ(to_image(pixel_of({"A", "B", "G", "R", "Z"})).channels,
+              (Names{"R", "G", "B", "A", "Z"}));
+    EXPECT_EQ(to_image(pixel_of({"A", "Y", "Z"})).channels, (Names{"Y", "A", "Z"}));
+    for (const Names& names : {Names{"R"}, Names{"Z"}, Names{"A", "Y"}, Names{"B", "G", "R"}}) {
+        EXPECT_EQ(to_image(pixel_of(names)).notice, "") << names[0];
+    }
+    EXPECT_EQ(to_image(pixel_of({"G", "R"})).notice,
+              "its channels are R, G; \"R\" is taken as grey");
+    EXPECT_EQ(to_image(pixel_of({"N", "U", "V"})).notice,
+              "its channels are N, U, V; the first three are taken as red, green and blue");
+}
+
 TEST(ImageFile, LayersAreNamedBeforeTheLastDot) {
     const ImageFile file = two_layers();
     EXPECT_EQ(file.layers(), (std::vector<std::string>{"", "light.group"}));

@@ -52,6 +52,37 @@ TEST(ReadImage, P3_ThePictureIsTheDisplayWindow) {
     EXPECT_EQ(read(9, -5, ExrWindow::display).pixels, std::vector<float>(12));
 }
 
+TEST(ReadImage, P7_WhereAllIsInLayersTheFirstColourIsThePicture) {
+    const TemporaryFolder folder;
+    const auto plane = [](const char* name, float value) {
+        return Plane{name, std::vector<float>{value}};
+    };
+    write_exr(
+        folder / "layers.exr",
+        {.width = 1,
+         .height = 1,
+         .planes = {plane("Scene.Depth.Z", 9), plane("Scene.Main.A", 1), plane("Scene.Main.B", 4),
+                    plane("Scene.Main.G", 3), plane("Scene.Main.R", 2), plane("Scene.Z.B", 8),
+                    plane("Scene.Z.G", 7), plane("Scene.Z.R", 6)}});
+    const Image image = read_image(folder / "layers.exr");
+    EXPECT_EQ(image.pixels, (std::vector<float>{2, 3, 4, 1}));
+    EXPECT_EQ(image.notice, "all its channels are in layers, of which \"Scene.Main\" is used");
+}
+
+TEST(ReadImage, P3_PlainFormatsAreKnownByTheirContent) {
+    const TemporaryFolder folder;
+    using namespace std::string_literals;
+    write_file_atomically(folder / "a.png", "Pf\n1 1\n-1\n\0\0\x80\x3f"s);
+    write_file_atomically(folder / "b.png", "P6 1 1 255\nabc"s);
+    const std::string gray_tga = "\0\0\3\0\0\0\0\0\0\0\0\0\1\0\1\0\x08\0\xff"s;
+    write_file_atomically(folder / "c.tga", gray_tga);
+    write_file_atomically(folder / "c.png", gray_tga + "\0\0\0\0\0\0\0\0TRUEVISION-XFILE.\0"s);
+    for (const char* name : {"a.png", "c.tga", "c.png"}) {
+        EXPECT_EQ(read_image(folder / name).pixels, std::vector<float>{1}) << name;
+    }
+    EXPECT_EQ(read_image(folder / "b.png").pixels[0], 'a' / 255.0f);
+}
+
 TEST(ReadImage, SaysWhatIsWrong) {
     const TemporaryFolder folder;
     const auto message = [](const std::filesystem::path& path) {
