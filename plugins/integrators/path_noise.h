@@ -22,6 +22,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace lucerna {
@@ -29,15 +30,15 @@ namespace lucerna {
 /// Variances of one path relative to the squared mean of its pixel, and its time.
 struct PathNoise {
     double own = 0, light = 0, shared = 0;
-    double alone = 0;  ///< of all light, if paths are not to be shared
-    double rays = 0;   ///< that a path takes
+    double rays = 0;                ///< that a path takes
+    std::optional<double> alone{};  ///< of paths that are not to be shared, if they are others
 
     /// Variance times time.
     double inefficiency(int light_samples, int block_size) const {
         // Shading included; a path is joined to sixteen pixels at a time.
         constexpr double light_rays = 1.5, keep_rays = 1.3, join_rays = 1.8;
         const double pixels = sqr(static_cast<double>(block_size));
-        const double unshared = block_size > 1 ? own : alone;
+        const double unshared = block_size > 1 ? own : alone.value_or(own + shared);
         const double variance = std::max(unshared - light, 0.0) + light / light_samples +
                                 (block_size > 1 ? shared * std::pow(pixels, -0.6) : 0.0);
         const double groups = std::ceil(pixels / static_cast<double>(lane_count));
@@ -204,7 +205,6 @@ inline PathNoise PathNoiseMeter::summary(std::span<const Pixel> pixels) {
         result.shared += noise.shared / count;
         result.rays += noise.rays / count;
     }
-    result.alone = result.own + result.shared;
     return result;
 }
 
