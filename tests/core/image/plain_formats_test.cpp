@@ -15,7 +15,7 @@ Image tga(const Bytes& bytes) { return decode_tga(bytes, "damaged.img"); }
 Image map(const Bytes& bytes) { return decode_portable_map(bytes, "damaged.img"); }
 
 void append(Bytes& bytes, std::uint32_t value, int size) {
-    for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+    for (int i = 0; i < size; ++i, value >>= 8) bytes.push_back(value & 0xff);
 }
 Bytes operator+(Bytes a, const Bytes& b) {
     a.insert(a.end(), b.begin(), b.end());
