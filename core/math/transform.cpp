@@ -18,7 +18,10 @@ void require_finite(const Matrix4d& m, const char* what) {
 }
 
 /// The power of two nearest above `x`, 1 for zero: scaling by it rounds nothing.
-double magnitude(double x) { return x == 0 ? 1.0 : std::exp2(std::ilogb(x) + 1); }
+double magnitude(double x) {
+    // As a double, since ilogb of infinity is the largest int.
+    return x == 0 ? 1.0 : std::exp2(static_cast<double>(std::ilogb(x)) + 1);
+}
 
 /// Inverse of a matrix whose rows and columns may differ by many orders of magnitude.
 ///
