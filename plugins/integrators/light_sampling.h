@@ -138,9 +138,11 @@ inline void choose_lights(const Scene& scene, const LightSampler& sampler, std::
 }
 
 /// What the light of a choice adds, weighted against `bsdf_samples` samples of the BSDF; `passes`
-/// such draws are averaged by the caller. False: nothing can arrive.
+/// such draws are averaged by the caller. False: nothing can arrive, or be scattered towards the
+/// viewer, unless it counts `for_others`, too.
 inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitSurface& surface,
-                         Vector2 u, float passes, float bsdf_samples, LightEstimate& result) {
+                         Vector2 u, float passes, float bsdf_samples, LightEstimate& result,
+                         bool for_others = false) {
     const Interaction& at = surface.at;
     const Light& light = scene.lights()[choice.light];
     const std::optional<LightSample> sample = light.emitter->sample_li(light, surface.receiver, u);
@@ -149,7 +151,7 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     if (!same_side(at, sample->wi, wi_local)) return false;
     const BSDFValue value =
         surface.bsdf.evaluate(at, surface.wo_local, wi_local, TransportMode::radiance);
-    if (is_black(value.f)) return false;
+    if (is_black(value.f) && !for_others) return false;
     const float density = choice.pmf * sample->pdf;
     const float weight =
         sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);

@@ -16,14 +16,16 @@ struct LitPoint {
 };
 
 /// What the light of a choice adds at a point of a medium if nothing lies between, weighted against
-/// `phase_samples` samples of the phase function. False: nothing can arrive.
+/// `phase_samples` samples of the phase function. False: nothing can arrive, or be scattered towards
+/// the viewer, unless it counts `for_others`, too.
 inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitPoint& point,
-                         Vector2 u, float passes, float phase_samples, LightEstimate& result) {
+                         Vector2 u, float passes, float phase_samples, LightEstimate& result,
+                         bool for_others = false) {
     const Light& light = scene.lights()[choice.light];
     const std::optional<LightSample> sample = light.emitter->sample_li(light, point.receiver, u);
     if (!sample || is_black(sample->radiance)) return false;
     const PhaseValue value = point.phase.evaluate(point.receiver.p, point.wo, sample->wi);
-    if (!(value.f > 0)) return false;
+    if (!(value.f > 0) && !for_others) return false;
     const float density = choice.pmf * sample->pdf;
     const float weight =
         sample->delta ? 1.0f : power_heuristic(passes * density, phase_samples * value.pdf);
@@ -47,11 +49,11 @@ struct LightPasses {
 };
 
 /// Calls `visit(light, arriving)` for each light sample that reaches a point of a medium, of which
-/// `arriving` is left; `next_2d` gives the numbers that choose lights.
+/// `arriving` is left; `next_2d` gives the numbers that choose lights. `for_others`: as above.
 template <typename Numbers, typename Visit>
 void visit_light_samples(const Scene& scene, const LightSampler& sampler, const LitPoint& point,
-                         LightPasses passes, float phase_samples, Rng& rng, Numbers&& next_2d,
-                         Visit&& visit) {
+                         LightPasses passes, float phase_samples, bool for_others, Rng& rng,
+                         Numbers&& next_2d, Visit&& visit) {
     LightEstimate light;
     const auto count = static_cast<float>(passes.taken);
     const auto weighted = static_cast<float>(passes.weighted);
@@ -60,8 +62,8 @@ void visit_light_samples(const Scene& scene, const LightSampler& sampler, const 
         const float u_choice = stratum(pass, count, next_2d().x);
         const Vector2 u_light = next_2d();
         const auto choice = sampler.sample(point.receiver, draw, u_choice);
-        if (!choice ||
-            !sample_light(scene, *choice, point, u_light, weighted, phase_samples, light)) {
+        if (!choice || !sample_light(scene, *choice, point, u_light, weighted, phase_samples, light,
+                                     for_others)) {
             continue;
         }
         visit(light, scene.transmittance(point.receiver, light.sample, rng));
@@ -71,8 +73,8 @@ void visit_light_samples(const Scene& scene, const LightSampler& sampler, const 
 /// The same at a surface that a path in `medium` has come to.
 template <typename Visit>
 void visit_light_samples(const Scene& scene, const LightSampler& sampler, const LitSurface& surface,
-                         const Medium* medium, std::uint32_t passes, float bsdf_samples, Rng& rng,
-                         SampleStream& stream, Visit&& visit) {
+                         const Medium* medium, std::uint32_t passes, float bsdf_samples,
+                         bool for_others, Rng& rng, SampleStream& stream, Visit&& visit) {
     if (!surface.samples_lights) return;
     LightEstimate light;
     const auto count = static_cast<float>(passes);
@@ -81,8 +83,8 @@ void visit_light_samples(const Scene& scene, const LightSampler& sampler, const 
         const float u_choice = stratum(pass, count, stream.next_2d().x);
         const Vector2 u_light = stream.next_2d();
         const auto choice = sampler.sample(surface.receiver, draw, u_choice);
-        if (!choice ||
-            !sample_light(scene, *choice, surface, u_light, count, bsdf_samples, light)) {
+        if (!choice || !sample_light(scene, *choice, surface, u_light, count, bsdf_samples, light,
+                                     for_others)) {
             continue;
         }
         if (is_black(light.sample.radiance)) continue;
@@ -107,7 +109,7 @@ template <typename Numbers>
 Color sample_lights(const Scene& scene, const LightSampler& sampler, const LitPoint& point,
                     LightPasses passes, float phase_samples, Rng& rng, Numbers&& next_2d) {
     DirectLight direct;
-    visit_light_samples(scene, sampler, point, passes, phase_samples, rng, next_2d, direct);
+    visit_light_samples(scene, sampler, point, passes, phase_samples, false, rng, next_2d, direct);
     return direct.mean(passes.taken);
 }
 
@@ -116,7 +118,8 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
                            const LitSurface& surface, const Medium* medium, std::uint32_t passes,
                            float bsdf_samples, Rng& rng, SampleStream& stream) {
     DirectLight direct;
-    visit_light_samples(scene, sampler, surface, medium, passes, bsdf_samples, rng, stream, direct);
+    visit_light_samples(scene, sampler, surface, medium, passes, bsdf_samples, false, rng, stream,
+                        direct);
     return direct.mean(passes);
 }
 

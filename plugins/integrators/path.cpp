@@ -233,8 +233,9 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) co
         for (std::size_t i = 0; i < asking.size(); ++i) {
             Path* const path = asking[i];
             const std::optional<LightChoice>& choice = queries[i].choice;
+            const bool for_others = path->depth == 1 && path->kept;
             if (choice && sample_light(scene, *choice, *path->surface, path->u_light, pass_count, 1,
-                                       path->light)) {
+                                       path->light, for_others)) {
                 lit.push_back(path);
             }
         }

@@ -20,6 +20,7 @@
 #pragma once
 
 #include "core/base/vectorized.h"
+#include "core/math/select.h"
 #include "plugins/integrators/block_edges.h"
 #include "plugins/integrators/light_sampling.h"
 
@@ -106,7 +107,9 @@ struct Junctions {
         for (std::size_t i = 0; i < lane_count; ++i) {
             const float geometry = edges.geometry[i];
             const float factor = edges.cosine[i] * geometry;
-            density[i] = values.pdf[i] * geometry;
+            // Paths whose throughput is black end before they get to y.
+            const float brightest = std::max(values.f.x[i], std::max(values.f.y[i], values.f.z[i]));
+            density[i] = select(brightest > 0, values.pdf[i] * geometry, 0.0f);
             transfer.set(i, values.f[i] * factor);
             wo_local.set(i, edges.wo_local[i]);
         }
@@ -250,6 +253,7 @@ inline void PathBlock::join(Group& group, std::size_t j) {
     const float cosine = path.second.cosine(path.next_local);
     for (std::size_t i = 0; i < lane_count; ++i) {
         junctions.next.f.set(i, junctions.next.f[i] * cosine);
+        if (is_black(junctions.next.f[i])) junctions.next.pdf[i] = 0;
     }
 }
 
@@ -263,7 +267,7 @@ inline void PathBlock::cross_media(Group& group, const ReusableVertex& y) {
         const Vector3 d = y.at.p - x.at.p;
         const float distance = glm::length(d);
         rays.open[i] = x.medium_towards(d) == y.medium;
-        if (!rays.open[i] || !y.medium) continue;
+        if (!rays.open[i] || !y.medium || !(junctions.density[i] > 0)) continue;
         const HomogeneousEdge edge(*y.medium, x.at.p, d / distance, distance,
                                    junctions.transfer[i]);
         junctions.transfer.set(i, junctions.transfer[i] * edge.weight(y.in_medium()));

@@ -23,6 +23,7 @@ struct ReusableVertex {
         medium = around;
     }
     void set(const LitPoint& point) {
+        *this = {};
         at.p = point.receiver.p;
         at.n = Vector3(0);
         phase = &point.phase;

@@ -338,7 +338,7 @@ void VolumetricPathIntegrator::add_direct_light(Path& path) const {
     keep_vertex(path, surface, path.medium);
     const auto sample_each = [&](auto&& visit) {
         visit_light_samples(path.scene, light_sampler_, surface, path.medium, path.light_samples, 1,
-                            path.rng, path.sample.stream, visit);
+                            path.shares_second(), path.rng, path.sample.stream, visit);
     };
     add_direct_light(path, 1, sample_each);
 }
@@ -349,7 +349,7 @@ void VolumetricPathIntegrator::add_direct_light(Path& path, const LitPoint& poin
     const auto sample_each = [&](auto&& visit) {
         visit_light_samples(
             path.scene, light_sampler_, point, {path.light_samples, path.light_samples}, 1,
-            path.rng, [&] { return path.sample.stream.next_2d(); }, visit);
+            path.shares_second(), path.rng, [&] { return path.sample.stream.next_2d(); }, visit);
     };
     add_direct_light(path, path.direct_weight, sample_each);
 }
@@ -377,6 +377,7 @@ bool VolumetricPathIntegrator::scatter_at_surface(Path& path) const {
     const BSDFSample& sample = next->sample;
     if (is_black(path.beta * sample.weight)) return false;  // underflow: nothing can be seen
     if (sample.lobe == Lobe::null) {
+        if (path.depth == 0) path.kept = nullptr;
         path.go_straight(sample.weight);
         return true;
     }

@@ -81,6 +81,32 @@ TEST_F(PathReuse, G11_AgreesBehindSurfacesThatLightGoesStraightThrough) {
     EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance));
 }
 
+/// Directions that are black are never taken, though the BSDF has a density for them.
+TEST_F(PathReuse, G11_AgreesOnAFloorOfBlackAndWhite) {
+    const std::string checkerboard =
+        "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'>"
+        "<float name='color0' value='0'/><float name='color1' value='0.8'/>"
+        "<transform name='to_uv'><scale value='40'/></transform></texture></bsdf>";
+    content_ += shape("rectangle", scale(5) + look({0, 0.01, 0}, {0, 1, 0}), checkerboard);
+    const RepeatedRenders own(scene(1), 256, 0, 48);
+    const RepeatedRenders shared(scene(4), 128, 1000, 48);
+    EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance));
+}
+
+/// Light that the path itself does not reflect may be reflected to others.
+TEST_F(PathReuse, G11_AgreesBesideNormalsThatTurnAway) {
+    const std::string tilted =
+        "<bsdf type='normalmap'><texture type='checkerboard' name='normalmap'>"
+        "<rgb name='color0' value='0.95, 0.5, 0.7'/><rgb name='color1' value='0.1, 0.4, 0.75'/>"
+        "<transform name='to_uv'><scale value='8'/></transform></texture>" +
+        diffuse(0.8) + boolean("flip_invalid_normals", false) + "</bsdf>";
+    content_ += shape("rectangle", scale(5) + translate({0, 0, -1.9}), tilted) +
+                shape("rectangle", scale(5) + look({0, 0.01, 0}, {0, 1, 0}), tilted);
+    const RepeatedRenders own(scene(1), 256, 0, 48);
+    const RepeatedRenders shared(scene(4), 128, 1000, 48);
+    EXPECT_TRUE(image_matches(shared.mean, shared.variance, own.mean, own.variance));
+}
+
 TEST_F(PathReuse, G11_AgreesWithEarlyRoulette) {
     const RepeatedRenders own(scene(1), 256, 0, 48);
     const RepeatedRenders shared(scene(4, integer("rr_depth", 1)), 192, 2000, 48);
@@ -118,6 +144,16 @@ TEST_F(VolumePathReuse, G11_AgreesWithoutMedia) { expect_agreement(""); }
 TEST_F(VolumePathReuse, G11_AgreesInColouredFog) {
     expect_agreement(medium("", color("sigma_t", "0.1, 0.3, 0.6") + color("albedo", "1, 0.8, 0.5") +
                                     "<phase type='hg'>" + number("g", 0.6) + "</phase>"));
+}
+
+/// Panes, holes and veils before, between and behind the vertices.
+TEST_F(VolumePathReuse, G11_AgreesInFogBehindVeils) {
+    const std::string veil =
+        "<bsdf type='mask'><bsdf type='twosided'>" + diffuse(0.6) + "</bsdf></bsdf>";
+    expect_agreement(medium("", color("sigma_t", "0.1, 0.3, 0.6") + color("albedo", "1, 0.8, 0.5")),
+                     shape("rectangle", scale(0.9) + look({1, 1, 1.5}, {2.5, 2, 3.5}), veil) +
+                         shape("rectangle", scale(0.5) + look({-0.3, 0.5, 1}, {2, 1, 3}),
+                               "<bsdf type='thindielectric'/>"));
 }
 
 /// Where extinction depends on the direction.
