@@ -150,8 +150,8 @@ TEST_F(VolumePathReuse, G11_AgreesInColouredFog) {
 TEST_F(VolumePathReuse, G11_AgreesInFogBehindVeils) {
     const std::string veil =
         "<bsdf type='mask'><bsdf type='twosided'>" + diffuse(0.6) + "</bsdf></bsdf>";
-    expect_agreement(medium("", color("sigma_t", "0.1, 0.3, 0.6") + color("albedo", "1, 0.8, 0.5")),
-                     shape("rectangle", scale(0.9) + look({1, 1, 1.5}, {2.5, 2, 3.5}), veil) +
+    expect_agreement(medium("", color("sigma_t", "0.2, 0.8, 1.6") + color("albedo", "1, 0.8, 0.5")),
+                     shape("rectangle", scale(2) + look({1, 1, 1.3}, {2.5, 2, 3.5}), veil) +
                          shape("rectangle", scale(0.5) + look({-0.3, 0.5, 1}, {2, 1, 3}),
                                "<bsdf type='thindielectric'/>"));
 }
