@@ -161,23 +161,29 @@ Image decode_tga(std::span<const std::uint8_t> bytes, const std::string& name) {
     const bool has_palette = source.byte() == 1;
     const std::uint8_t type = source.byte();
     const std::size_t first_color = source.number(2), colors = source.number(2);
-    const std::size_t color_bytes = source.byte() / 8;
+    const std::uint32_t color_bits = source.byte();
     source.take(4);  // its place on the screen
     const std::int64_t width = source.number(2), height = source.number(2);
-    const std::size_t pixel_bytes = source.byte() / 8;
+    const std::uint32_t pixel_bits = source.byte();
     const std::uint8_t descriptor = source.byte();
     const bool top_down = (descriptor & 0x20) != 0, right_to_left = (descriptor & 0x10) != 0;
     const int kind = type & 7;
     const bool runs = (type & 8) != 0;
     if ((type & ~11) != 0 || kind == 0) source.refuse(fmt::format("of type {}", type));
     const bool indexed = kind == 1;
-    const std::size_t bytes_of_color = indexed ? color_bytes : pixel_bytes;
-    if (indexed ? !has_palette || pixel_bytes != 1 : (kind == 3) != (pixel_bytes == 1)) {
+    const std::uint32_t bits = indexed ? color_bits : pixel_bits;
+    if (bits != 8 && bits != 24 && bits != 32) {
+        source.refuse(fmt::format("of {} bits for each color", bits));
+    }
+    if (indexed && pixel_bits != 8) {
+        source.refuse(fmt::format("with indices of {} bits", pixel_bits));
+    }
+    if (indexed ? !has_palette : (kind == 3) != (bits == 8)) {
         source.damaged("its header contradicts itself");
     }
-    if (bytes_of_color != 1 && bytes_of_color != 3 && bytes_of_color != 4) {
-        source.refuse(fmt::format("of {} bits for each pixel", 8 * bytes_of_color));
-    }
+    // A color of 15 bits fills two bytes, also in a palette that is not used.
+    const std::size_t color_bytes = (color_bits + 7) / 8, pixel_bytes = pixel_bits / 8;
+    const std::size_t bytes_of_color = bits / 8;
     source.take(id_bytes);
     const std::span<const std::uint8_t> palette =
         source.take(has_palette ? colors * color_bytes : 0);
@@ -231,6 +237,7 @@ Image decode_portable_map(std::span<const std::uint8_t> bytes, const std::string
     if (floats) {
         const double scale = number(0.0);
         if (scale == 0 || !std::isfinite(scale)) source.damaged("its scale is not a number");
+        const auto factor = static_cast<float>(std::abs(scale));
         Image image = source.image(width, height, channels_of(channels));
         image.srgb_encoded = false;
         image.eight_bits = false;
@@ -238,7 +245,8 @@ Image decode_portable_map(std::span<const std::uint8_t> bytes, const std::string
             float* p = image.at(0, y);
             for (std::size_t i = 0; i < static_cast<std::size_t>(width) * channels; ++i) {
                 const std::uint32_t stored = source.number(4);
-                p[i] = std::bit_cast<float>(scale < 0 ? stored : __builtin_bswap32(stored));
+                p[i] =
+                    factor * std::bit_cast<float>(scale < 0 ? stored : __builtin_bswap32(stored));
             }
         }
         return image;

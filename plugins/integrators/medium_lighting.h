@@ -16,8 +16,8 @@ struct LitPoint {
 };
 
 /// What the light of a choice adds at a point of a medium if nothing lies between, weighted against
-/// `phase_samples` samples of the phase function. False: nothing can arrive, or be scattered towards
-/// the viewer, unless it counts `for_others`, too.
+/// `phase_samples` samples of the phase function. False: nothing can arrive, or be scattered to the
+/// viewer, unless it counts `for_others`, too.
 inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitPoint& point,
                          Vector2 u, float passes, float phase_samples, LightEstimate& result,
                          bool for_others = false) {

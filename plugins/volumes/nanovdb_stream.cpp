@@ -4,6 +4,10 @@
 #include <blosc.h>
 #include <zlib.h>
 
+#include <algorithm>
+#include <cstring>
+#include <new>
+
 namespace lucerna {
 
 namespace {

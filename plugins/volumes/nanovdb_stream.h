@@ -27,8 +27,8 @@ public:
     ~GridStream();
 
     std::uint64_t size() const { return grid_.size; }
-    /// Bytes of the grid, which must have them; valid until the next call. An offset before that
-    /// of the last call begins to decode anew.
+    /// Bytes of the grid, which must have them; valid until the next call. What lies before
+    /// the bytes that are still held is decoded anew.
     std::span<const std::uint8_t> read(std::uint64_t offset, std::uint64_t count);
     /// Decodes the rest: damage may show only at the end.
     void finish();

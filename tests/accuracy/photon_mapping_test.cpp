@@ -272,7 +272,7 @@ TEST(PhotonMapping, G11_DiffuseSceneAsPathTracing) {
 }
 
 /// Surfaces that are both matte and glossy under a large lamp, which they reflect: direct light by
-/// rays of the BSDF and by light samples is neither lost nor counted twice, in fog neither.
+/// rays of the BSDF and by light samples is neither lost nor counted twice.
 TEST(PhotonMapping, G11_DirectLightOnGlossySurfaces) {
     const std::string glossy = "<bsdf type='roughplastic'>" + number("alpha", 0.15) + "</bsdf>";
     const std::string scene =

@@ -158,9 +158,8 @@ TEST(Boundaries, G14_ALightIsSeenThroughItsOwnMedium) {
     EXPECT_TRUE(agrees(image_means(seen(1), 256), 1, 0.01));
 }
 
-/// Shapes that are placed by instances have media, too.
+/// Though the volume would end at the unit cube.
 TEST(Media, P8_HomogeneousOnesTakeAVolumeOfOneValue) {
-    // Though the volume would end at the unit cube.
     const std::string medium =
         "<bsdf type='null'/><medium type='homogeneous' name='interior'>"
         "<volume name='sigma_t' type='constvolume'><float name='value' value='0.5'/></volume>"
@@ -171,6 +170,7 @@ TEST(Media, P8_HomogeneousOnesTakeAVolumeOfOneValue) {
     EXPECT_TRUE(agrees(pixel_statistics(film), std::exp(-1.0)));
 }
 
+/// Shapes that are placed by instances have media, too.
 TEST(Media, InInstances) {
     const std::string ball = sphere({0, 0, 0}, 1,
                                     null_surface +

@@ -111,6 +111,9 @@ TEST(Tga, P3_RunsAndOrientationsAreFollowed) {
 }
 
 TEST(Tga, DamagedOnesAreRefused) {
+    // 15 bits are not read, be it in pixels or in a palette.
+    EXPECT_THROW(tga(tga_header(2, 1, 1, 16, 0) + from_hex("ff7f")), FileError);
+    EXPECT_THROW(tga(tga_header(3, 1, 1, 16, 0) + from_hex("ff7f")), FileError);
     expect_prefixes_refused(tga_runs, [](const Bytes& b) { tga(b); });
     EXPECT_GT(count_refused_mutants(tga_runs, [](const Bytes& b) { tga(b); }), 20);
 }
@@ -124,11 +127,14 @@ TEST(PortableMap, P3_IntegersAreEncodedAndFloatsAreNot) {
     EXPECT_EQ(grey.pixels, (std::vector<float>{1, 0.2f}));
     EXPECT_FALSE(grey.eight_bits);
 
-    // Rows of floats run upwards; the sign of the scale is the order of their bytes.
+    // Rows of floats run upwards; the sign of the scale is the order of their bytes, and its size a
+    // factor.
     const Image little = map(bytes_of("Pf\n1 2\n-1.0\n") + from_hex("0000803f00000040"));
     const Image big = map(bytes_of("Pf\n1 2\n1.0\n") + from_hex("3f80000040000000"));
     EXPECT_EQ(little.pixels, (std::vector<float>{2, 1}));
     EXPECT_EQ(big.pixels, little.pixels);
+    EXPECT_EQ(map(bytes_of("Pf\n1 1\n-2.0\n") + from_hex("00004040")).pixels,
+              (std::vector<float>{6}));
     EXPECT_FALSE(little.srgb_encoded);
     expect_prefixes_refused(pixels, [](const Bytes& b) { map(b); });
     EXPECT_GT(count_refused_mutants(pixels, [](const Bytes& b) { map(b); }), 20);
