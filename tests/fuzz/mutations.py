@@ -46,7 +46,8 @@ PICTURE = CAMERA + """<shape type="sphere"><bsdf type="diffuse">
 <texture type="bitmap" name="reflectance"><string name="filename" value="{name}"/></texture>
 </bsdf></shape></scene>"""
 
-VOLUME = CAMERA.replace('"path"', '"volpath"').replace(CHOSEN, "") + """<shape type="cube">
+VOLUME = CAMERA.replace('"path"', '"volpath"').replace(
+    CHOSEN, '<integer name="reuse" value="1"/>') + """<shape type="cube">
 <medium type="heterogeneous" name="interior"><volume type="{kind}" name="sigma_t">
 <string name="filename" value="{name}"/></volume></medium></shape></scene>"""
 
