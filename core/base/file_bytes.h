@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace lucerna {
@@ -12,6 +13,12 @@ namespace lucerna {
 /// The bytes of a regular file. Throws FileError for a missing or unreadable file, a directory, and
 /// for pipes and devices, which could block or never end.
 std::vector<std::uint8_t> read_file_bytes(const std::filesystem::path& path);
+
+/// The text without the mark that says that it is UTF-8.
+constexpr std::string_view without_byte_order_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
 
 /// A regular file that is read in pieces, by several threads if need be.
 class FileReader {

@@ -72,14 +72,15 @@ bool is_finite(const Matrix4d& matrix) {
     return true;
 }
 
-/// What the values of a spectrum are, by the name of the parameter: only reflectances end at 1.
+/// What the values of a spectrum are, by the name of the parameter, or if that is "value", by that
+/// of the object.
 SpectrumUse spectrum_use(const Tag& tag, const ReadContext& context) {
     if (context.in_emitter) return SpectrumUse::emission;
-    constexpr std::array<std::string_view, 7> quantities = {
-        "eta", "k", "emission", "value", "sigma_a", "sigma_s", "sigma_t"};
-    const std::string name(tag.value("name"));
-    const bool unbounded = std::ranges::find(quantities, context.legacy ? legacy_name(name)
-                                                                        : name) != quantities.end();
+    const std::string_view name = tag.value("name");
+    const bool unbounded =
+        name == "value"
+            ? context.in_quantity
+            : PropertyReader::is_quantity(context.legacy ? legacy_name(name) : std::string(name));
     return unbounded ? SpectrumUse::quantity : SpectrumUse::reflectance;
 }
 
@@ -87,6 +88,11 @@ SpectrumUse spectrum_use(const Tag& tag, const ReadContext& context) {
 
 bool PropertyReader::is_property(std::string_view tag) { return property_tags().contains(tag); }
 bool PropertyReader::is_transform_step(std::string_view tag) { return step_tags().contains(tag); }
+bool PropertyReader::is_quantity(std::string_view name) {
+    constexpr std::array<std::string_view, 6> quantities = {"eta",     "k",       "emission",
+                                                            "sigma_a", "sigma_s", "sigma_t"};
+    return std::ranges::find(quantities, name) != quantities.end();
+}
 std::vector<std::string> PropertyReader::tags() { return keys(property_tags()); }
 
 template <typename Parse>

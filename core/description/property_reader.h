@@ -22,6 +22,9 @@ public:
     /// True for the steps of a transform: "translate", "lookat".
     static bool is_transform_step(std::string_view tag);
 
+    /// True for names of quantities whose spectra may exceed 1; those of others are reflectances.
+    static bool is_quantity(std::string_view name);
+
     /// The value of a property; empty if it is wrong, which is reported.
     std::optional<PropertyValue> read(const Tag& tag, const ReadContext& context);
 

@@ -16,8 +16,9 @@ namespace lucerna {
 /// Where reading stands: the same for all elements of one file, but for `in_emitter`.
 struct ReadContext {
     const SourceFile* source = nullptr;
-    bool legacy = false;      ///< the file is older than version 2
-    bool in_emitter = false;  ///< spectra are emission, not reflectance
+    bool legacy = false;       ///< the file is older than version 2
+    bool in_emitter = false;   ///< spectra are emission, not reflectance
+    bool in_quantity = false;  ///< in an object for a quantity that may exceed 1
     int include_depth = 0;
 };
 

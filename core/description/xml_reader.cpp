@@ -226,6 +226,7 @@ private:
         reserve(tag.element, element);
         ReadContext inner = context;
         inner.in_emitter = context.in_emitter || element.kind == "emitter";
+        inner.in_quantity = PropertyReader::is_quantity(into.children.back().name);
         read_children(tag, inner, element);
         if (context.legacy) upgrade_legacy(element, diagnostics_);
         check_names(element);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <span>
 
 #include "core/base/error.h"
 
@@ -40,9 +41,10 @@ std::string standard_name(std::string_view channel) {
 /// Colour first, then alpha, then everything else. Z is depth, but for what has an X, too.
 std::size_t channel_rank(std::string_view channel, bool is_xyz) {
     constexpr std::array<std::string_view, 5> rgb{"R", "G", "B", "Y", "A"};
-    constexpr std::array<std::string_view, 5> xyz{"X", "Y", "Z", "A"};
-    const auto& order = is_xyz ? xyz : rgb;
-    return std::size_t(std::find(order.begin(), order.end(), channel) - order.begin());
+    constexpr std::array<std::string_view, 4> xyz{"X", "Y", "Z", "A"};
+    const std::span<const std::string_view> order =
+        is_xyz ? std::span<const std::string_view>(xyz) : rgb;
+    return std::size_t(std::ranges::find(order, channel) - order.begin());
 }
 
 /// Empty if the first channels are a colour or a grey, else what is made of them.

@@ -35,7 +35,8 @@ struct Chromaticities {
 };
 
 /// Interleaved float pixels. Colour comes first: with three or more channels the first three are
-/// red, green and blue; with one or two the first is grey.
+/// red, green and blue, or X, Y and Z up to `ColorConfig::to_rendering`; with one or two the first
+/// is grey.
 struct Image {
     int width = 0;
     int height = 0;

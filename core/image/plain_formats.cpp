@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/plain_formats.h"
 
+#include "core/base/error.h"
+
 #include <fmt/format.h>
 
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <string_view>
-
-#include "core/base/error.h"
 
 namespace lucerna {
 

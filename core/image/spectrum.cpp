@@ -147,8 +147,7 @@ Color blackbody(double kelvin) {
 Spectrum parse_spectrum(std::string_view text, const std::string& name) {
     Spectrum spectrum;
     int number = 0;
-    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+    text = without_byte_order_mark(text);
     while (!text.empty()) {
         ++number;
         const std::size_t end = std::min(text.find('\n'), text.size());

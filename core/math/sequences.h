@@ -74,6 +74,12 @@ private:
     std::uint64_t state_, increment_;
 };
 
+/// A generator that follows from a point of [0, 1)².
+inline Rng seeded_by(Vector2 u) {
+    return Rng(hash64(
+        {static_cast<std::uint64_t>(u.x * 0x1p24f), static_cast<std::uint64_t>(u.y * 0x1p24f)}));
+}
+
 constexpr std::uint32_t reverse_bits(std::uint32_t x) {
     x = (x << 16) | (x >> 16);
     x = ((x & 0x00ff00ffu) << 8) | ((x >> 8) & 0x00ff00ffu);

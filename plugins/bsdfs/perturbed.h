@@ -107,7 +107,8 @@ private:
                                                    : !same_hemisphere(wi, seen_from(bent, wi));
         }
 
-        /// Of light from one direction, to which the surface's own normal has this cosine.
+        /// The share of light that the bumps let through; `cos_theta`: between light and the
+        /// surface's own normal.
         float shadow(float cos_theta) const {
             const float cos2 = std::max(cos_theta * cos_theta, 1e-12f);
             return 2 / (1 + std::sqrt(1 + alpha2 * (1 - cos2) / cos2));
@@ -116,7 +117,7 @@ private:
         const Interaction& at;
         Vector3 wo;
         TransportMode mode;
-        float alpha2 = 0;  ///< of the distribution of bumps that shadow each other
+        float alpha2 = 0;  ///< squared roughness of the bumps that shadow each other
         Side bent;
         std::optional<Side> flipped;    ///< where it may be drawn or shown
         float flipped_probability = 0;  ///< of drawing from it

@@ -151,7 +151,10 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     if (!same_side(at, sample->wi, wi_local)) return false;
     const BSDFValue value =
         surface.bsdf.evaluate(at, surface.wo_local, wi_local, TransportMode::radiance);
-    if (is_black(value.f) && !for_others) return false;
+    if (is_black(value.f)) {
+        const bool reflected = wi_local.z * surface.wo_local.z > 0;
+        if (!for_others || !(reflected || surface.receiver.sides == Sides::both)) return false;
+    }
     const float density = choice.pmf * sample->pdf;
     const float weight =
         sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);

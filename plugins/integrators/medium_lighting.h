@@ -10,9 +10,29 @@ namespace lucerna {
 
 /// Where a path is scattered by a medium, for light sampling.
 struct LitPoint {
+    bool samples_lights() const { return true; }
+    /// As what lights see it.
+    const Receiver& lit_from() const { return receiver; }
+    const Receiver& lit_from(Vector3) const { return receiver; }
+
     Receiver receiver;
     const Phase& phase;
     Vector3 wo;
+};
+
+/// A surface to which a path has come in `medium`, for light sampling.
+struct SurfaceInMedium {
+    bool samples_lights() const { return surface.samples_lights; }
+    const Receiver& lit_from() const { return surface.receiver; }
+    /// With the medium through which light arrives from `wi`.
+    Receiver lit_from(Vector3 wi) const {
+        Receiver receiver = surface.receiver;
+        receiver.medium = medium_beyond(surface.at, wi, medium);
+        return receiver;
+    }
+
+    const LitSurface& surface;
+    const Medium* medium;
 };
 
 /// What the light of a choice adds at a point of a medium if nothing lies between, weighted against
@@ -37,6 +57,12 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
     return true;
 }
 
+inline bool sample_light(const Scene& scene, const LightChoice& choice,
+                         const SurfaceInMedium& vertex, Vector2 u, float passes, float bsdf_samples,
+                         LightEstimate& result, bool for_others = false) {
+    return sample_light(scene, choice, vertex.surface, u, passes, bsdf_samples, result, for_others);
+}
+
 /// A number of part `pass` of [0, 1), which `count` passes divide.
 inline float stratum(std::uint32_t pass, float count, float u) {
     return std::min((static_cast<float>(pass) + u) / count, one_minus_epsilon);
@@ -48,12 +74,14 @@ struct LightPasses {
     std::uint32_t taken, weighted;
 };
 
-/// Calls `visit(light, arriving)` for each light sample that reaches a point of a medium, of which
-/// `arriving` is left; `next_2d` gives the numbers that choose lights. `for_others`: as above.
-template <typename Numbers, typename Visit>
-void visit_light_samples(const Scene& scene, const LightSampler& sampler, const LitPoint& point,
-                         LightPasses passes, float phase_samples, bool for_others, Rng& rng,
+/// Calls `visit(light, arriving)` for each light sample at a vertex (LitPoint or SurfaceInMedium),
+/// of which `arriving` is left; weighted against `scatter_samples` of the phase function or BSDF.
+/// `next_2d` gives the numbers that choose lights. `for_others`: as above.
+template <typename Vertex, typename Numbers, typename Visit>
+void visit_light_samples(const Scene& scene, const LightSampler& sampler, const Vertex& vertex,
+                         LightPasses passes, float scatter_samples, bool for_others, Rng& rng,
                          Numbers&& next_2d, Visit&& visit) {
+    if (!vertex.samples_lights()) return;
     LightEstimate light;
     const auto count = static_cast<float>(passes.taken);
     const auto weighted = static_cast<float>(passes.weighted);
@@ -61,36 +89,13 @@ void visit_light_samples(const Scene& scene, const LightSampler& sampler, const 
         const std::uint32_t pass = k % passes.taken, draw = k / passes.taken;
         const float u_choice = stratum(pass, count, next_2d().x);
         const Vector2 u_light = next_2d();
-        const auto choice = sampler.sample(point.receiver, draw, u_choice);
-        if (!choice || !sample_light(scene, *choice, point, u_light, weighted, phase_samples, light,
-                                     for_others)) {
-            continue;
-        }
-        visit(light, scene.transmittance(point.receiver, light.sample, rng));
-    }
-}
-
-/// The same at a surface that a path in `medium` has come to.
-template <typename Visit>
-void visit_light_samples(const Scene& scene, const LightSampler& sampler, const LitSurface& surface,
-                         const Medium* medium, std::uint32_t passes, float bsdf_samples,
-                         bool for_others, Rng& rng, SampleStream& stream, Visit&& visit) {
-    if (!surface.samples_lights) return;
-    LightEstimate light;
-    const auto count = static_cast<float>(passes);
-    for (std::uint32_t k = 0; k < passes * sampler.draws(); ++k) {
-        const std::uint32_t pass = k % passes, draw = k / passes;
-        const float u_choice = stratum(pass, count, stream.next_2d().x);
-        const Vector2 u_light = stream.next_2d();
-        const auto choice = sampler.sample(surface.receiver, draw, u_choice);
-        if (!choice || !sample_light(scene, *choice, surface, u_light, count, bsdf_samples, light,
-                                     for_others)) {
+        const auto choice = sampler.sample(vertex.lit_from(), draw, u_choice);
+        if (!choice || !sample_light(scene, *choice, vertex, u_light, weighted, scatter_samples,
+                                     light, for_others)) {
             continue;
         }
         if (is_black(light.sample.radiance)) continue;
-        Receiver receiver = surface.receiver;
-        receiver.medium = medium_beyond(surface.at, light.sample.wi, medium);
-        visit(light, scene.transmittance(receiver, light.sample, rng));
+        visit(light, scene.transmittance(vertex.lit_from(light.sample.wi), light.sample, rng));
     }
 }
 
@@ -104,23 +109,14 @@ struct DirectLight {
     Color mean(std::uint32_t passes) const { return Color(sum / static_cast<double>(passes)); }
 };
 
-/// Light that reaches a point of a medium and is scattered towards wo, by light sampling.
-template <typename Numbers>
-Color sample_lights(const Scene& scene, const LightSampler& sampler, const LitPoint& point,
-                    LightPasses passes, float phase_samples, Rng& rng, Numbers&& next_2d) {
+/// Light that reaches a vertex and is scattered towards wo, by light sampling.
+template <typename Vertex, typename Numbers>
+Color sample_lights(const Scene& scene, const LightSampler& sampler, const Vertex& vertex,
+                    LightPasses passes, float scatter_samples, Rng& rng, Numbers&& next_2d) {
     DirectLight direct;
-    visit_light_samples(scene, sampler, point, passes, phase_samples, false, rng, next_2d, direct);
-    return direct.mean(passes.taken);
-}
-
-/// Direct light at a surface that a path in `medium` has come to.
-inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
-                           const LitSurface& surface, const Medium* medium, std::uint32_t passes,
-                           float bsdf_samples, Rng& rng, SampleStream& stream) {
-    DirectLight direct;
-    visit_light_samples(scene, sampler, surface, medium, passes, bsdf_samples, false, rng, stream,
+    visit_light_samples(scene, sampler, vertex, passes, scatter_samples, false, rng, next_2d,
                         direct);
-    return direct.mean(passes);
+    return direct.mean(passes.taken);
 }
 
 /// Aims a line at a point on a light that matters somewhere on it.

@@ -7,11 +7,11 @@
 ///     V = V_own − V_light + V_light / n + V_shared m^−0.6
 ///     T = T_path + (n − 1) T_light + T_keep + ⌈m / 16⌉ T_join             (T_path alone if m = 1)
 ///
-/// V_own is that of all light that is not shared: if m = 1, of all light. V_light is its part from
-/// the choice of points on lights at the first vertex. Shared light gains less than m^−1, as the
-/// paths of a block have more in common than their second vertices: the exponent fits Cornell
-/// boxes, rooms and halls. Time is counted in rays, so that the choice does not depend on the
-/// machine. What chains change in V and T_path is only measured.
+/// V_own is that of all light that is not shared, V_light its part from the choice of points on
+/// lights at the first vertex. Shared light gains less than m^−1, as the paths of a block have more
+/// in common than their second vertices: the exponent fits Cornell boxes, rooms and halls. Time is
+/// counted in rays, so that the choice does not depend on the machine. What chains change in V and
+/// T_path is only measured.
 #pragma once
 
 #include "core/base/parallel.h"
@@ -22,7 +22,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 namespace lucerna {
@@ -30,17 +29,15 @@ namespace lucerna {
 /// Variances of one path relative to the squared mean of its pixel, and its time.
 struct PathNoise {
     double own = 0, light = 0, shared = 0;
-    double rays = 0;                ///< that a path takes
-    std::optional<double> alone{};  ///< of paths that are not to be shared, if they are others
+    double rays = 0;  ///< that a path takes
 
     /// Variance times time.
     double inefficiency(int light_samples, int block_size) const {
         // Shading included; a path is joined to sixteen pixels at a time.
         constexpr double light_rays = 1.5, keep_rays = 1.3, join_rays = 1.8;
         const double pixels = sqr(static_cast<double>(block_size));
-        const double unshared = block_size > 1 ? own : alone.value_or(own + shared);
-        const double variance = std::max(unshared - light, 0.0) + light / light_samples +
-                                (block_size > 1 ? shared * std::pow(pixels, -0.6) : 0.0);
+        const double variance =
+            std::max(own - light, 0.0) + light / light_samples + shared * std::pow(pixels, -0.6);
         const double groups = std::ceil(pixels / static_cast<double>(lane_count));
         const double sharing = block_size > 1 ? keep_rays + groups * join_rays : 0.0;
         const double time = rays + (light_samples - 1) * light_rays + sharing;

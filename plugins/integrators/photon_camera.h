@@ -47,8 +47,8 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
         return sample_lights(scene, sampler, bsdf, point.at, point.wo, 1, bsdf_samples, stream);
     }
     const LitSurface surface(point.at, bsdf, point.wo);
-    return sample_lights(scene, sampler, surface, point.medium, 1, bsdf_samples, *point.rng,
-                         stream);
+    return sample_lights(scene, sampler, SurfaceInMedium{surface, point.medium}, {1, 1},
+                         bsdf_samples, *point.rng, [&] { return stream.next_2d(); });
 }
 
 class CameraPathTracer {
@@ -121,9 +121,7 @@ inline bool CameraPathTracer::looks_for_light(const BSDF& bsdf) const {
 /// Of a step, for media.
 inline void CameraPathTracer::draw_numbers(Path& path, SampleStream& stream) const {
     path.u_line = stream.next_2d();
-    const Vector2 seed = stream.next_2d();
-    path.rng.emplace(hash64({static_cast<std::uint64_t>(seed.x * 0x1p24f),
-                             static_cast<std::uint64_t>(seed.y * 0x1p24f)}));
+    path.rng.emplace(seeded_by(stream.next_2d()));
 }
 
 /// Adds what the medium sends along the ray; false if it lets nothing through.

@@ -71,7 +71,7 @@ private:
         BeamMap media;
     };
 
-    /// Of the first pass.
+    /// In the first pass [scene units].
     struct Radii {
         float surfaces, media;
     };

@@ -133,9 +133,8 @@ private:
     static void keep_light(const Path& path, LightEstimate light, Color arriving);
     static void leave_vertex(Path& path, const BSDFSample& next);
     void add_direct_light(Path& path) const;
-    void add_direct_light(Path& path, const LitPoint& point) const;
-    template <typename Samples>
-    void add_direct_light(Path& path, float weight, const Samples& sample_each) const;
+    template <typename Where>
+    void add_direct_light(Path& path, const Where& vertex, float weight) const;
     bool scatter_at_surface(Path& path) const;
     bool scatter_in_medium(Path& path, const LitPoint& point) const;
 
@@ -169,10 +168,11 @@ int VolumetricPathIntegrator::choose_block_size(const Scene& scene) const {
     const auto trace_all = [&](std::span<CameraSample> samples, std::span<ReusablePath> kept,
                                const PathSplitting&) { trace(scene, samples, kept); };
     const PathSplitting given{.light_samples = 1, .block_size = 0};
-    PathNoise noise = meter.measure(given, trace_all);
-    // Light is not sampled along rays that lead to vertices for others.
-    noise.alone = meter.measure_alone(given, trace_all).own;
-    return best_splitting(noise, given).block_size;
+    const PathNoise shared = meter.measure(given, trace_all);
+    const int size = best_splitting(shared, given).block_size;
+    // Light is sampled along rays, too, unless they lead to vertices for others.
+    const PathNoise alone = meter.measure_alone(given, trace_all);
+    return alone.inefficiency(1, 1) < shared.inefficiency(1, size) ? 1 : size;
 }
 
 /// The numbers of a step that are not for lights; those follow in the stream.
@@ -187,9 +187,7 @@ void VolumetricPathIntegrator::draw_numbers(Path& path) const {
     path.dimension += medium_dimensions;
     path.u_distance = stream.next_2d();
     path.u_line = stream.next_2d();
-    const Vector2 seed = stream.next_2d();
-    path.rng = Rng(hash64({static_cast<std::uint64_t>(seed.x * 0x1p24f),
-                           static_cast<std::uint64_t>(seed.y * 0x1p24f)}));
+    path.rng = seeded_by(stream.next_2d());
 }
 
 /// Adds what is emitted where the ray ends.
@@ -336,28 +334,18 @@ void VolumetricPathIntegrator::add_direct_light(Path& path) const {
     path.here = surface.receiver;
     if (path.depth == 0 && !surface.samples_lights) path.kept = nullptr;
     keep_vertex(path, surface, path.medium);
-    const auto sample_each = [&](auto&& visit) {
-        visit_light_samples(path.scene, light_sampler_, surface, path.medium, path.light_samples, 1,
-                            path.shares_second(), path.rng, path.sample.stream, visit);
-    };
-    add_direct_light(path, 1, sample_each);
+    add_direct_light(path, SurfaceInMedium{surface, path.medium}, 1);
 }
 
-/// Light sampling at a point of a medium.
-void VolumetricPathIntegrator::add_direct_light(Path& path, const LitPoint& point) const {
-    keep_vertex(path, point);
+/// Adds the light samples at a vertex, or keeps them for other pixels, too.
+template <typename Where>
+void VolumetricPathIntegrator::add_direct_light(Path& path, const Where& vertex,
+                                                float weight) const {
     const auto sample_each = [&](auto&& visit) {
         visit_light_samples(
-            path.scene, light_sampler_, point, {path.light_samples, path.light_samples}, 1,
+            path.scene, light_sampler_, vertex, {path.light_samples, path.light_samples}, 1,
             path.shares_second(), path.rng, [&] { return path.sample.stream.next_2d(); }, visit);
     };
-    add_direct_light(path, path.direct_weight, sample_each);
-}
-
-/// Adds the light samples that `sample_each` visits, or keeps them for other pixels, too.
-template <typename Samples>
-void VolumetricPathIntegrator::add_direct_light(Path& path, float weight,
-                                                const Samples& sample_each) const {
     if (path.shares_second()) {
         return sample_each(
             [&](const LightEstimate& light, Color arriving) { keep_light(path, light, arriving); });
@@ -429,7 +417,8 @@ void VolumetricPathIntegrator::trace(const Scene& scene, CameraSample& sample,
                                                                  path.ray.d, path.collision),
                                  .phase = path.medium->phase(),
                                  .wo = -path.ray.d};
-            add_direct_light(path, point);
+            keep_vertex(path, point);
+            add_direct_light(path, point, path.direct_weight);
             if (!scatter_in_medium(path, point)) return;
         }
         if (step + 1 < first_roulette_ || (step == 0 && path.kept)) continue;

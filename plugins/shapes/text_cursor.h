@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/base/error.h"
+#include "core/base/file_bytes.h"
 
 #include <fmt/format.h>
 
@@ -24,8 +25,7 @@ public:
           end_(at_ + bytes.size()),
           name_(std::move(name)),
           line_(line) {
-        constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-        if (std::string_view(at_, remaining()).starts_with(byte_order_mark)) at_ += 3;
+        if (line == 1) at_ = without_byte_order_mark({at_, remaining()}).data();
     }
 
     bool at_end() const { return at_ == end_; }

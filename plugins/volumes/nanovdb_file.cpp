@@ -142,7 +142,7 @@ private:
     static constexpr int channels = std::is_same_v<Value, float> ? 1 : 3;
     template <typename Node>
     static constexpr int width = static_cast<int>(Node::DIM);
-    /// Of a node: offset in the grid, least index.
+    /// Where a node lies: its offset in the grid, its least index.
     struct Place {
         std::int64_t offset;
         Vector3i origin;

@@ -195,6 +195,16 @@ TEST(XmlReader, P8_SpectraOfPhysicalQuantitiesAreNotCutAtOne) {
     EXPECT_EQ(value_of<Rgb>(medium, "sigma_t").value, extinction);
 }
 
+TEST(XmlReader, P8_SpectraOfVolumesAreWhatTheVolumesAreFor) {
+    const std::string value = "<spectrum name='value' value='400:2,500:2,600:3,700:4'/>";
+    const Description d =
+        read_content("<medium type='m'><volume name='albedo' type='v'>" + value +
+                     "</volume><volume name='sigma_t' type='v'>" + value + "</volume></medium>");
+    const Element& medium = *d.root->children[0].element;
+    EXPECT_EQ(value_of<Rgb>(*medium.children[0].element, "value").value, ColorD(1));
+    EXPECT_GT(value_of<Rgb>(*medium.children[1].element, "value").value.x, 2);
+}
+
 TEST(XmlReader, OneValueOfASpectrumIsEqualEnergyAsLightSinceVersion2) {
     const auto read = [](const std::string& version) {
         const TemporaryFolder folder;
