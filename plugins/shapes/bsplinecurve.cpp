@@ -2,7 +2,7 @@
 /// bsplinecurve: round curves (curves.h) along uniform cubic B-splines.
 ///
 ///   filename   string      required   lines of x y z radius
-///   to_world   transform              rotation, translation and uniform scale
+///   to_world   transform              of control points; radii stay
 #include "plugins/shapes/curves.h"
 
 namespace lucerna {

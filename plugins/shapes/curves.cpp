@@ -2,7 +2,6 @@
 #include "plugins/shapes/curves.h"
 
 #include "core/base/file_bytes.h"
-#include "plugins/shapes/analytic.h"
 #include "plugins/shapes/text_cursor.h"
 
 namespace lucerna {
@@ -54,11 +53,10 @@ CurveShape::CurveShape(const Params& params, CurveGeometry::Basis basis)
     const std::filesystem::path path =
         params.file("filename", "text: a control point on each line, as x y z radius");
     if (emitter()) params.error("emitter", "curves cannot emit light; use a mesh or a cylinder");
-    const double scale = uniform_scale(params, world_from_object());
-    if (!path.empty()) take_file(path, scale);
+    if (!path.empty()) take_file(path);
 }
 
-void CurveShape::take_file(const std::filesystem::path& path, double radius_scale) {
+void CurveShape::take_file(const std::filesystem::path& path) {
     const bool linear = basis_ == CurveGeometry::Basis::linear;
     const std::size_t fewest = linear ? 2 : 4;
     const std::string name = path.filename().string();
@@ -66,7 +64,7 @@ void CurveShape::take_file(const std::filesystem::path& path, double radius_scal
         const std::size_t begin = points_.size(), segments = curve.size() - fewest + 1;
         for (const glm::dvec4& p : curve) {
             const Vector3 q(world_from_object().point(Vector3d(p)));
-            const auto radius = static_cast<float>(radius_scale * p.w);
+            const auto radius = static_cast<float>(p.w);
             if (!(max_component(absolute(q)) < 1e18f && radius < 1e18f)) {
                 throw Error(fmt::format("{}: control points must lie below 1e18", name));
             }

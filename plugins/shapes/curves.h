@@ -2,9 +2,11 @@
 /// Round curves with a radius that changes along them: what `linearcurve` and `bsplinecurve` share.
 ///
 /// A file is text: a control point on each line, `x y z radius`, and an empty line between two
-/// curves. u is the angle around a curve, v runs from its end to its beginning, over all segments
-/// of the file (mesh.h tells why); the local y axis of a hit runs along the curve, towards the last
-/// control point. Only the outside is met: rays leave a curve from inside without a hit.
+/// curves. As in Mitsuba, `to_world` moves control points and leaves radii as they are: curves stay
+/// round whatever it does; only an `instance` scales radii, too. u is the angle around a curve, v
+/// runs from its end to its beginning, over all segments of the file (mesh.h tells why); the local
+/// y axis of a hit runs along the curve, towards the last control point. Only the outside is met:
+/// rays leave a curve from inside without a hit.
 #pragma once
 
 #include "core/interfaces/shape.h"
@@ -30,7 +32,7 @@ protected:
 private:
     struct Place;
     Place place(const Hit& hit) const;
-    void take_file(const std::filesystem::path& path, double radius_scale);
+    void take_file(const std::filesystem::path& path);
 
     CurveGeometry::Basis basis_;
     std::vector<glm::vec4> points_;

@@ -2,7 +2,7 @@
 /// linearcurve: round curves (curves.h), straight pieces between control points, joined by spheres.
 ///
 ///   filename   string      required   lines of x y z radius
-///   to_world   transform              rotation, translation and uniform scale
+///   to_world   transform              of control points; radii stay
 ///
 /// Embree meets joints with an absolute tolerance: pieces shorter than 1/1000 of a unit seem
 /// thicker there.

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <sstream>
 
 namespace lucerna {
 namespace {
@@ -62,11 +63,42 @@ TEST_F(Curves, straight_ones_are_cylinders) {
     }
 }
 
+/// As in Mitsuba 3.9.1: control points are transformed, and radii stay, so that curves stay round.
+TEST_F(Curves, A20_to_world_leaves_radii_as_they_are) {
+    for (const char* type : {"linearcurve", "bsplinecurve"}) {
+        for (const char* steps : {"<scale value='3'/>", "<scale x='3' y='1' z='0.5'/>"}) {
+            const World world(curve(
+                type, straight, fmt::format("<transform name='to_world'>{}</transform>", steps)));
+            for (const Vector3 n : {Vector3(0, 1, 0), Vector3(0, 0, -1), Vector3(0, 0.6f, 0.8f)}) {
+                const auto at = world.scene().intersect(towards(Vector3(6, 0, 0) + n, {6, 0, 0}));
+                ASSERT_TRUE(at) << type << steps;
+                EXPECT_NEAR(at->t, 0.9f, 2e-5f) << type << steps;
+                EXPECT_GT(glm::dot(at->n, n), 0.99999f);
+            }
+        }
+    }
+}
+
+/// The same control points with other radii.
+std::string with_radii_times(double scale, const std::string& points) {
+    std::istringstream lines(points);
+    std::string result;
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t radius = line.rfind(' ');
+        if (radius != std::string::npos) {
+            line = fmt::format("{} {}", line.substr(0, radius),
+                               scale * std::stod(line.substr(radius)));
+        }
+        result += line + "\n";
+    }
+    return result;
+}
+
 TEST_F(Curves, hits_lie_on_their_rays_and_rays_leave_them) {
     for (const char* type : {"linearcurve", "bsplinecurve"}) {
         // Smaller linear curves are met beside their joints: Embree's tolerance is absolute there.
         for (const double scale : {1e-2, 1.0, 1e3}) {
-            const World world(curve(type, bent,
+            const World world(curve(type, with_radii_times(scale, bent),
                                     fmt::format("<transform name='to_world'><rotate x='1' y='2' "
                                                 "angle='40'/><scale value='{}'/>"
                                                 "<translate x='{}'/></transform>",
