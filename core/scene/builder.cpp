@@ -23,6 +23,14 @@ namespace {
 
 constexpr int max_nesting = 256;  // by references; the reader bounds nesting in the text
 
+/// ASCII: names of plugins have no other letters.
+std::string in_small_letters(std::string text) {
+    for (char& c : text) {
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    }
+    return text;
+}
+
 class ObjectBuilder final : public BuildContext {
 public:
     ObjectBuilder(const Description& description, Registry& registry, Diagnostics& diagnostics,
@@ -115,8 +123,17 @@ Object* ObjectBuilder::build(const Element& element) {
 
 const PluginInfo* ObjectBuilder::find_plugin(const Element& element) {
     if (element.type.empty() && element.incomplete) return nullptr;
+    const std::string small = in_small_letters(element.type);
+    const auto is_there = [&](std::string_view name) {
+        return !registry_.path(element.kind, plugin_alias(element.kind, name)).empty();
+    };
+    const bool misspelled = small != element.type && !is_there(element.type) && is_there(small);
+    if (misspelled) {
+        diagnostics_.warning(element.where, fmt::format("{} \"{}\" is taken for \"{}\"",
+                                                        element.kind, element.type, small));
+    }
     try {
-        return &registry_.find(element.kind, element.type);
+        return &registry_.find(element.kind, misspelled ? small : element.type);
     } catch (const PluginError& e) {
         diagnostics_.plugin_error(element.where, e.what());
     } catch (const Error& e) {

@@ -11,10 +11,10 @@
 
 namespace lucerna {
 
-/// The factor by which `to_world` scales all directions alike. If it does not, an error is recorded
-/// at the parameter.
-inline double uniform_scale(const Params& params, const Transform& world_from_object) {
-    const Matrix3d m(world_from_object.matrix());
+/// The factor by which `m` scales all directions alike. If it does not, an error is recorded at
+/// `to_world`, with `remedy`.
+inline double uniform_scale(const Params& params, const Transform& world_from_object,
+                            const Matrix3d& m, std::string_view remedy) {
     const double scale = std::cbrt(std::abs(glm::determinant(m)));
     const Matrix3d gram = glm::transpose(m) * m / (scale * scale);
     double deviation = 0;
@@ -24,12 +24,14 @@ inline double uniform_scale(const Params& params, const Transform& world_from_ob
         }
     }
     if (deviation > 1e-4) {  // matrices are written with six digits
+        const Matrix3d w(world_from_object.matrix());
         params.error(
             "to_world",
             fmt::format("\"to_world\" stretches x, y and z by {:.4g}, {:.4g} and {:.4g}{}, "
-                        "but a {} must stay round: scale all axes alike, or use a mesh",
-                        glm::length(m[0]), glm::length(m[1]), glm::length(m[2]),
-                        glm::length(m[0]) == glm::length(m[1]) ? " or shears" : "", params.type()));
+                        "but a {} must stay round: {}, or use a mesh",
+                        glm::length(w[0]), glm::length(w[1]), glm::length(w[2]),
+                        glm::length(w[0]) == glm::length(w[1]) ? " or shears" : "", params.type(),
+                        remedy));
     }
     return scale;
 }

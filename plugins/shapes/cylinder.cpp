@@ -3,7 +3,8 @@
 ///
 ///   p0, p1        point      0 0 0, 0 0 1   ends of the axis, before to_world
 ///   radius        float      1              > 0, before to_world
-///   to_world      transform                 rotation, translation and uniform scale
+///   to_world      transform                 rotation, translation and scale, the same in all
+///                                           directions across the axis
 ///   flip_normals  boolean    false          the normals point to the axis
 ///
 /// u is the angle around the axis, v runs from p1 to p0 (mesh.h tells why). Rays are met
@@ -19,7 +20,6 @@ public:
         const Vector3d p0 = params.point("p0", {0, 0, 0}, "start of the axis, before to_world");
         const Vector3d p1 = params.point("p1", {0, 0, 1}, "end of the axis, before to_world");
         const double radius = params.real("radius", 1, positive, "radius, before to_world");
-        const double scale = uniform_scale(params, world_from_object());
         const Vector3d axis = p1 - p0;
         if (axis == Vector3d(0)) {
             params.error("p1", "\"p0\" and \"p1\" are the same point: the cylinder has no length");
@@ -29,10 +29,17 @@ public:
         const Vector3d z = glm::normalize(axis),
                        y = glm::normalize(glm::cross(z, Vector3d(frame.s)));
         const Matrix3d object_from_local(glm::cross(y, z), y, z);
+        // Along the axis, any scale is another length; across it, the circle must stay round.
+        Matrix3d m = Matrix3d(world_from_object().matrix()) * object_from_local;
+        const double stretch = glm::length(m[2]),
+                     across = std::sqrt(glm::length(m[0]) * glm::length(m[1]));
+        m[2] *= across / stretch;
+        const double scale = uniform_scale(params, world_from_object(), m,
+                                           "scale all directions across its axis alike");
         base_ = world_from_object().point(p0);
-        length_ = scale * glm::length(axis);
+        length_ = stretch * glm::length(axis);
         radius_ = scale * radius;
-        world_from_local_ = Matrix3d(world_from_object().matrix()) * object_from_local / scale;
+        world_from_local_ = m / scale;
     }
 
     Geometry geometry() const override { return AnalyticGeometry{bounds()}; }

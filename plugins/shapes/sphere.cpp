@@ -52,7 +52,9 @@ public:
     explicit SphereShape(const Params& params) : Shape(params) {
         const Vector3d center = params.point("center", Vector3d(0), "center, before to_world");
         const double radius = params.real("radius", 1, positive, "radius, before to_world");
-        const double scale = uniform_scale(params, world_from_object());
+        const double scale =
+            uniform_scale(params, world_from_object(), Matrix3d(world_from_object().matrix()),
+                          "scale all axes alike");
         center_ = Vector3(world_from_object().point(center));
         radius_ = static_cast<float>(scale * radius);
         world_from_local_ = Matrix3d(world_from_object().matrix()) / scale;

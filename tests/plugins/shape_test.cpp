@@ -408,7 +408,52 @@ TEST(Sphere, A20_stretching_is_refused_with_the_factors) {
               "scale all axes alike, or use a mesh");
     EXPECT_EQ(refusal(shape("cylinder", to_world("<scale x='3' y='1' z='1'/>"))),
               "\"to_world\" stretches x, y and z by 3, 1 and 1, but a cylinder must stay round: "
-              "scale all axes alike, or use a mesh");
+              "scale all directions across its axis alike, or use a mesh");
+    // Sheared: the axis is no longer perpendicular to the circle.
+    EXPECT_NE(refusal(shape("cylinder", to_world("<matrix value='1 0 1 0  0 1 0 0  0 0 1 0  0 0 0 "
+                                                 "1'/>"))),
+              "");
+}
+
+/// Along its axis a cylinder can be stretched: it is the same as one with other ends.
+TEST(Cylinder, A20_stretched_along_the_axis_is_a_longer_one) {
+    const World stretched(
+        shape("cylinder",
+              "<point name='p0' value='0 1 0'/><point name='p1' value='0 3 0'/>"
+              "<float name='radius' value='0.5'/>" +
+                  to_world("<scale x='1.5' y='4' z='1.5'/><rotate x='1' angle='90'/>")));
+    const World same(shape("cylinder",
+                           "<point name='p0' value='0 0 4'/><point name='p1' value='0 0 12'/>"
+                           "<float name='radius' value='0.75'/>"));
+    EXPECT_NEAR(stretched.shape().area(0), 2 * pi * 0.75 * 8, 1e-5);
+    Rng rng(1);
+    int hits = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const float angle = 2 * pi * rng.next_float(), z = 3 + 10 * rng.next_float();
+        const Vector3 from(3 * std::cos(angle), 3 * std::sin(angle), z);
+        const Ray ray{.o = from, .d = glm::normalize(Vector3(0.3f, -0.2f, z) - from)};
+        const auto a = stretched.scene().intersect(ray), b = same.scene().intersect(ray);
+        ASSERT_EQ(a.has_value(), b.has_value()) << z;
+        if (!a) continue;
+        ++hits;
+        EXPECT_LT(glm::distance(a->p, b->p), 1e-5f);
+        EXPECT_LT(glm::distance(a->n, b->n), 1e-5f);
+        EXPECT_NEAR(a->uv.y, b->uv.y, 1e-5f);
+        EXPECT_LT(glm::distance(a->dpdv, b->dpdv), 1e-4f);
+    }
+    EXPECT_GT(hits, 700);
+}
+
+TEST(Shape, K14_capital_letters_in_the_name_of_a_plugin_are_told) {
+    const World world("<shape type='Sphere'><bsdf type='Disney'/></shape>");
+    EXPECT_EQ(world.shape().primitive_count(), 1u);
+    std::string warnings;
+    for (const Diagnostic& d : world.diagnostics().all()) warnings += d.message + "\n";
+    EXPECT_EQ(warnings,
+              "shape \"Sphere\" is taken for \"sphere\"\n"
+              "bsdf \"Disney\" is taken for \"disney\"\n");
+    EXPECT_NE(refusal("<shape type='Spheer'/>").find("did you mean \"sphere\"?"),
+              std::string::npos);
 }
 
 /// As in Mitsuba.
