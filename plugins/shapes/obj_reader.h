@@ -124,13 +124,17 @@ private:
         is_new_material_ = false;
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; some exporters leave slashes at the end: `v/vt/`.
     std::uint32_t read_corner() {
         const std::uint32_t position = read_index("vertex", source_.positions.size());
         std::uint32_t uv = none, normal = none;
         if (at_.accept('/')) {
-            if (at_.peek() != '/') uv = read_index("texture coordinate", source_.uvs.size());
-            if (at_.accept('/')) normal = read_index("normal", source_.normals.size());
+            if (at_.peek() != '/' && !at_.at_blank()) {
+                uv = read_index("texture coordinate", source_.uvs.size());
+            }
+            if (at_.accept('/') && !at_.at_blank()) {
+                normal = read_index("normal", source_.normals.size());
+            }
         }
         if (!at_.at_blank() && at_.peek() != '#') {
             at_.fail("a corner of a face should be written v, v/vt, v//vn or v/vt/vn");

@@ -148,6 +148,16 @@ TEST(Obj, P5_faces_without_an_inside_are_left_out_and_told) {
     EXPECT_EQ(mesh.warnings, (Warnings{"a.obj:5: faces of fewer than 3 vertices are left out"}));
 }
 
+TEST(Obj, P5_slashes_at_the_end_of_a_corner_stand_for_nothing) {
+    const std::string corners = std::string(square) + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    const MeshData mesh = obj(corners + "f 1/1/ 2/2/ 3/3/ 4/4/\n");
+    EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 2, 3}));
+    EXPECT_EQ(mesh.uvs.size(), 4u);
+    EXPECT_TRUE(mesh.normals.empty());
+    const MeshData bare = obj(corners + "f 1/ 2// 3/\n");
+    EXPECT_EQ(bare.indices, (Indices{0, 1, 2}));
+}
+
 TEST(Obj, P5_a_byte_order_mark_is_no_statement) {
     const MeshData mesh = obj("\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
