@@ -12,6 +12,8 @@ Sensor::Sensor(const Params& params)
       medium_(params.nested<Medium>("in which the camera lies")) {
     params.no_effect("shutter_open", "nothing moves while the shutter is open");
     params.no_effect("shutter_close", "nothing moves while the shutter is open");
+    params.no_effect("jitter", "samples are always spread over the pixel");
+    params.no_effect("cone_scale", "lookups of pictures are not filtered");
     params.no_effect("srf", "rendering is done in RGB");
 }
 

@@ -38,9 +38,12 @@ struct Alias {
 
 /// Names of other versions of the scene format.
 constexpr std::array aliases{
+    Alias{"bsdf", "disney", "principled"},
     Alias{"film", "ldrfilm", "hdrfilm"},
     Alias{"integrator", "photonmapper", "photonmap"},
     Alias{"integrator", "volpathmis", "volpath"},
+    Alias{"sampler", "bose", "orthogonal"},
+    Alias{"sampler", "bush", "orthogonal"},
     Alias{"sampler", "ldsampler", "sobol"},
 };
 

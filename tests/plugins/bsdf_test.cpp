@@ -617,6 +617,22 @@ float reflected(const BSDF& bsdf, Vector3 viewer, Vector3 light) {
     return value;
 }
 
+/// A colour is the same normal everywhere: as a texture of this colour, and (0.5, 0.5, 1) none.
+TEST_F(BSDFs, a_normal_map_of_one_colour_needs_no_texture) {
+    const Vector3 light(1, 1, 0.3f);
+    const auto mapped = [&](const char* normal) {
+        return reflected(*workshop->make(bsdf("normalmap", normal + bsdf("diffuse"))), {0, 0, 1},
+                         light);
+    };
+    const float plain = reflected(*workshop->make(bsdf("diffuse")), {0, 0, 1}, light);
+    EXPECT_NEAR(mapped("<rgb name='normalmap' value='0.5 0.5 1'/>"), plain, 1e-6);
+    EXPECT_NEAR(mapped("<spectrum name='normalmap' type='srgb'><rgb name='color' value='0.5, 0.5, "
+                       "1'/></spectrum>"),
+                plain, 1e-6);
+    EXPECT_NEAR(mapped("<rgb name='normalmap' value='0.8213938 0.5 0.8830222'/>"),
+                reflected(*workshop->make(tilted(40)), {0, 0, 1}, light), 1e-6);
+}
+
 /// Expected: what Mitsuba 3.9.1 (scalar_rgb) evaluates.
 TEST_F(BSDFs, D13_D14_low_light_is_shadowed_by_bumps) {
     const std::string off = "<boolean name='use_shadowing_function' value='false'/>";

@@ -324,6 +324,7 @@ TEST(Sampler, RoundedSampleCountsAreTold) {
 
 TEST(Sampler, KnowsTheNamesOfOldScenes) {
     Workshop workshop;
+    for (const char* name : {"bose", "bush"}) workshop.make<Sampler>(sampler(name, ""));
     workshop.make<Sampler>(sampler("ldsampler", whole("dimension", 4)));
     EXPECT_NE(workshop.warnings().find("\"dimension\" has no effect"), std::string::npos);
 }

@@ -246,9 +246,13 @@ TEST_F(Sensors, StretchingTransformsAreRefused) {
 }
 
 TEST_F(Sensors, TellWhatHasNoEffect) {
-    make("perspective", number("focus_distance", 3) + number("shutter_open", 0));
+    make("perspective", number("focus_distance", 3) + number("shutter_open", 0) +
+                            "<boolean name='jitter' value='true'/>" + number("cone_scale", 1));
     EXPECT_NE(workshop_.warnings().find("\"focus_distance\" has no effect"), std::string::npos);
-    EXPECT_NE(workshop_.warnings().find("\"shutter_open\" has no effect"), std::string::npos);
+    for (const char* name : {"shutter_open", "jitter", "cone_scale"}) {
+        EXPECT_NE(workshop_.warnings().find(fmt::format("\"{}\" has no effect", name)),
+                  std::string::npos);
+    }
 }
 
 }  // namespace
