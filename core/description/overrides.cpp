@@ -58,7 +58,8 @@ private:
         return nullptr;
     }
 
-    /// The children that a step may mean: the one of that name, that id, or all of that kind.
+    /// The children that a step may mean: the one of that name, that id, or all of that kind. Of
+    /// several sensors, a scene is rendered with the first.
     static std::vector<Child*> matches(Element& parent, std::string_view step) {
         std::vector<Child*> of_kind;
         for (Child& child : parent.children) {
@@ -68,6 +69,7 @@ private:
             if (child.element->id == step) return {&child};
             if (child.element->kind == step) of_kind.push_back(&child);
         }
+        if (step == "sensor" && of_kind.size() > 1) of_kind.resize(1);
         return of_kind;
     }
 

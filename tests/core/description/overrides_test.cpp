@@ -102,6 +102,19 @@ TEST(Overrides, ReachWhatASceneHasWithoutSayingSo) {
     }
 }
 
+/// A scene of several sensors is rendered with the first, so `--resolution` is about that one.
+TEST(Overrides, OfSeveralSensorsTheFirstIsMeant) {
+    ReadOptions options;
+    options.overrides = {"sensor.film.width=8"};
+    const Description d = read_valid(
+        "<scene version='3.0.0'><film type='hdrfilm' id='film'/>"
+        "<sensor type='perspective'><ref id='film'/></sensor>"
+        "<sensor type='orthographic'><film type='hdrfilm'/></sensor></scene>",
+        options);
+    EXPECT_EQ(text_of(*child(d, 1).children[0].element, "width"), "8");
+    EXPECT_EQ(find_property(*child(d, 2).children[0].element, "width"), nullptr);
+}
+
 TEST(Overrides, AValueTakesThePlaceOfATexture) {
     const Description d = with({"a.b.reflectance=0.5"});
     EXPECT_TRUE(child(d, 2).children.empty());
