@@ -225,7 +225,8 @@ private:
         if (!element.id.empty()) references_.add_id(element.id, element, tag.where("id"));
         reserve(tag.element, element);
         ReadContext inner = context;
-        inner.in_emitter = context.in_emitter || element.kind == "emitter";
+        // As in Mitsuba, not what is nested deeper: textures do not know what they are for.
+        inner.in_emitter = element.kind == "emitter";
         inner.in_quantity = PropertyReader::is_quantity(into.children.back().name);
         read_children(tag, inner, element);
         if (context.legacy) upgrade_legacy(element, diagnostics_);
