@@ -19,8 +19,8 @@ struct PicturePaths {
     /// Of another kind of file; `extension` begins with a dot.
     std::filesystem::path other(const char* extension) const;
 
-    /// `output` with or without one of the extensions (".pfm", too); if it is empty, the scene's name, in the
-    /// current directory.
+    /// `output` with or without one of the extensions (".pfm", too); if it is empty, the scene's
+    /// name, in the current directory.
     PicturePaths(std::filesystem::path output, const std::filesystem::path& scene);
     /// Throws FileError if one of them could not be written: to be called before rendering.
     void check() const;
@@ -41,8 +41,8 @@ PictureView picture_view(const std::string& name, double exposure);
 ImageFile annotated_image(const FilmState& film, const RenderFigures& figures,
                           const std::string& command, const std::string& scene);
 
-/// Writes all files; the film decides how its own kind of file looks. Returns where they are. Throws
-/// FileError.
+/// Writes all files; the film decides how its own kind of file looks. Returns where they are.
+/// Throws FileError.
 std::vector<std::filesystem::path> write_pictures(const Film& film, const ImageFile& image,
                                                   const PicturePaths& paths,
                                                   const PictureView& view);

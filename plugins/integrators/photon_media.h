@@ -99,8 +99,8 @@ inline bool has_scattering_media(const Scene& scene) {
     return scene.has_media() && std::any_of(scene.media().begin(), scene.media().end(), scatters);
 }
 
-/// Where photons can be scattered by media: around all shapes that have them inside; around the whole
-/// scene if a medium is inside of none.
+/// Where photons can be scattered by media: around all shapes that have them inside; around the
+/// whole scene if a medium is inside of none.
 inline Bounds3 media_bounds(const Scene& scene) {
     Bounds3 bounds;
     std::vector<const Medium*> enclosed;

@@ -205,7 +205,7 @@ TEST(Exr, OfSeveralPartsTheFirstIsReadAndThatIsTold) {
     EXPECT_EQ(to_image(file).notice, file.notice);
 }
 
-/// Made by Imf::RgbaOutputFile with WRITE_YCA: 4 x 4 pixels at (2, 2) of 8 x 8, without compression.
+/// Made by Imf::RgbaOutputFile with WRITE_YCA: 4 x 4 pixels at (2, 2) of 8 x 8, not compressed.
 /// The colour is (0.75, 0.25, 0.5) k / 16 for k = 1 … 16, alpha x / 4.
 const Bytes& luminance_chroma() {
     static const Bytes bytes = from_hex(
