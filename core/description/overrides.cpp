@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/description/overrides.h"
 
+#include "core/description/default_types.h"
+
 #include <fmt/format.h>
 
 namespace lucerna {
@@ -9,11 +11,10 @@ namespace {
 
 /// What an object has if the scene does not say so: its parameters can be set all the same.
 struct Implied {
-    std::string_view parent, kind, type;
+    std::string_view parent, kind;
 };
-constexpr std::array implied{Implied{"scene", "sensor", "perspective"},
-                             Implied{"sensor", "film", "hdrfilm"},
-                             Implied{"sensor", "sampler", "sobol"}};
+constexpr std::array implied{Implied{"scene", "sensor"}, Implied{"sensor", "film"},
+                             Implied{"sensor", "sampler"}};
 
 /// One override while it is applied.
 class Override {
@@ -82,7 +83,7 @@ private:
         }
         for (const Implied& object : implied) {
             if (object.parent != parent.kind || object.kind != step || parent.incomplete) continue;
-            return add(parent, step, object.type, offset);
+            return add(parent, step, default_type(step), offset);
         }
         report_unknown(parent, step, offset);
         return nullptr;

@@ -12,6 +12,7 @@
 #include <ImfIntAttribute.h>
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
+#include <ImfRgbaFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
@@ -146,21 +147,41 @@ std::optional<Chromaticities> chromaticities_of(const Imf::Header& header) {
     return Chromaticities{vector2d(c.red), vector2d(c.green), vector2d(c.blue), vector2d(c.white)};
 }
 
-void check_channels(const Imf::Header& header, const std::string& name) {
+/// Luminance, and chroma at every second pixel of every second row (Imf::WRITE_YC). Together they
+/// are a colour.
+bool is_luminance_chroma(std::string_view channel) {
+    return channel == "Y" || channel == "RY" || channel == "BY";
+}
+
+/// Whether the colour is stored as luminance and chroma.
+bool check_channels(const Imf::Header& header, const std::string& name) {
     const Imf::ChannelList& channels = header.channels();
     if (channels.begin() == channels.end()) {
         throw FileError(fmt::format("{}: the image has no channels", name));
     }
-    for (auto it = channels.begin(); it != channels.end(); ++it) {
-        const std::string channel = it.name();
-        if (channel == "RY" || channel == "BY") {
-            throw FileError(fmt::format("{}: stores luminance and chroma; save it as RGB", name));
-        }
-        if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
-            throw FileError(fmt::format(
-                "{}: channel \"{}\" is subsampled; save it at full resolution", name, channel));
+    const bool chroma = channels.findChannel("RY") || channels.findChannel("BY");
+    for (const char* needed : {"Y", "RY", "BY"}) {
+        if (chroma && !channels.findChannel(needed)) {
+            throw FileError(
+                fmt::format("{}: stores luminance and chroma, but has no channel "
+                            "\"{}\"; save it as RGB",
+                            name, needed));
         }
     }
+    for (auto it = channels.begin(); it != channels.end(); ++it) {
+        const std::string channel = it.name();
+        const int x = it.channel().xSampling, y = it.channel().ySampling;
+        const int expected = channel == "RY" || channel == "BY" ? 2 : 1;
+        if (x == expected && y == expected) continue;
+        throw FileError(expected == 1
+                            ? fmt::format("{}: channel \"{}\" is subsampled; save it at full "
+                                          "resolution",
+                                          name, channel)
+                            : fmt::format("{}: channel \"{}\" has a value for {} x {} pixels, not "
+                                          "for 2 x 2; save it as RGB",
+                                          name, channel, x, y));
+    }
+    return chroma;
 }
 
 /// Where sample (0, 0) of the file would lie, given where the first one of the data window does.
@@ -170,12 +191,14 @@ Imf::Slice slice(Imf::PixelType type, const std::vector<T>& samples, const Imath
     return Imf::Slice::Make(type, samples.data(), window, sizeof(T), sizeof(T) * width);
 }
 
-void read_planes(Imf::InputFile& input, ImageFile& file) {
+/// All channels, but for those of luminance and chroma if they are read by themselves.
+void read_planes(Imf::InputFile& input, bool chroma_apart, ImageFile& file) {
     const Imath::Box2i window = input.header().dataWindow();
     const std::size_t count = std::size_t(file.width) * std::size_t(file.height);
     const Imf::ChannelList& channels = input.header().channels();
     Imf::FrameBuffer buffer;
     for (auto it = channels.begin(); it != channels.end(); ++it) {
+        if (chroma_apart && is_luminance_chroma(it.name())) continue;
         Plane plane{.name = it.name(), .half = it.channel().type == Imf::HALF};
         if (it.channel().type == Imf::UINT) {
             plane.samples = std::vector<std::uint32_t>(count);
@@ -196,6 +219,27 @@ void read_planes(Imf::InputFile& input, ImageFile& file) {
     input.readPixels(window.min.y, window.max.y);
 }
 
+/// Red, green and blue of a file of luminance and chroma, by OpenEXR's own filter between the
+/// values of chroma.
+void read_luminance_chroma(Imf::IStream& stream, ImageFile& file) {
+    stream.seekg(0);
+    Imf::RgbaInputFile input(stream);
+    const Imath::Box2i window = input.dataWindow();
+    const auto width = static_cast<std::size_t>(file.width);
+    std::vector<Imf::Rgba> pixels(width * static_cast<std::size_t>(file.height));
+    input.setFrameBuffer(Imf::ComputeBasePointer(pixels.data(), window), 1, width);
+    input.readPixels(window.min.y, window.max.y);
+    const auto add = [&](const char* name, half Imf::Rgba::*component) {
+        std::vector<float> samples(pixels.size());
+        std::ranges::transform(pixels, samples.begin(),
+                               [&](const Imf::Rgba& pixel) { return pixel.*component; });
+        file.planes.push_back({.name = name, .samples = std::move(samples), .half = true});
+    };
+    add("R", &Imf::Rgba::r);
+    add("G", &Imf::Rgba::g);
+    add("B", &Imf::Rgba::b);
+}
+
 enum class Content { all, header };
 
 ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name, Content content) {
@@ -208,7 +252,7 @@ ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name, C
         header.type() != Imf::TILEDIMAGE) {
         throw FileError(fmt::format("{}: holds deep data; flatten it to an ordinary image", name));
     }
-    check_channels(header, name);
+    const bool chroma = check_channels(header, name);
 
     const Imath::Box2i& data = header.dataWindow();
     const Imath::Box2i& full = header.displayWindow();
@@ -230,7 +274,9 @@ ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name, C
     if (parts > 1) file.notice = fmt::format("it has {} parts, of which the first is used", parts);
     file.metadata = metadata_of(header);
     file.chromaticities = chromaticities_of(header);
-    if (content == Content::all) read_planes(input, file);
+    if (content == Content::header) return file;
+    read_planes(input, chroma, file);
+    if (chroma) read_luminance_chroma(stream, file);
     return file;
 }
 

@@ -21,8 +21,8 @@ enum class ExrCompression { zip, piz };
 
 /// Reads all channels of a flat, scanline or tiled file: of the largest picture, if it has mipmaps;
 /// of the first part, if there are several, which a notice tells. Halves become floats; unsigned
-/// channels stay. Throws FileError with the name of the file and what to do, for damaged files,
-/// deep data, subsampled and luminance/chroma channels.
+/// channels stay. Luminance and chroma (Y, RY, BY) become R, G and B. Throws FileError with the
+/// name of the file and what to do, for damaged files, deep data and other subsampled channels.
 ImageFile read_exr(const std::filesystem::path& path);
 
 /// The same from memory; `name` is what errors call it.

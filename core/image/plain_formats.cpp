@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/plain_formats.h"
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 
 #include <fmt/format.h>
@@ -262,6 +263,28 @@ Image decode_portable_map(std::span<const std::uint8_t> bytes, const std::string
                 static_cast<float>(largest);
     }
     return image;
+}
+
+void write_portable_float_map(const std::filesystem::path& path, const Image& image) {
+    const std::size_t channels = image.channel_count();
+    if (channels != 1 && channels != 3) {
+        throw Error(
+            fmt::format("a portable float map has one or three channels, not {}", channels));
+    }
+    // A negative scale: little-endian. The lowest row comes first.
+    std::string bytes =
+        fmt::format("{}\n{} {}\n-1.0\n", channels == 3 ? "PF" : "Pf", image.width, image.height);
+    bytes.reserve(bytes.size() + 4 * image.pixels.size());
+    for (int y = image.height - 1; y >= 0; --y) {
+        const float* row = image.at(0, y);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(image.width) * channels; ++i) {
+            const auto value = std::bit_cast<std::uint32_t>(row[i]);
+            for (const int shift : {0, 8, 16, 24}) {
+                bytes += static_cast<char>(static_cast<std::uint8_t>(value >> shift));
+            }
+        }
+    }
+    write_file_atomically(path, bytes);
 }
 
 }  // namespace lucerna

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -19,6 +20,10 @@ Image decode_bmp(std::span<const std::uint8_t> bytes, const std::string& name);
 
 /// Grey, palette or colour of 8, 24 or 32 bits, plain or run-length encoded.
 Image decode_tga(std::span<const std::uint8_t> bytes, const std::string& name);
+
+/// A portable float map (Pf or PF, little-endian) of an image of one or three channels, whose
+/// values are stored as they are. The file is there completely or not at all (atomic_file.h).
+void write_portable_float_map(const std::filesystem::path& path, const Image& image);
 
 /// The binary ones: P5 and P6 of 8 or 16 bits, Pf and PF of either byte order.
 Image decode_portable_map(std::span<const std::uint8_t> bytes, const std::string& name);

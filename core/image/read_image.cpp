@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <span>
 #include <string_view>
 
@@ -42,17 +41,15 @@ bool is_tga(std::span<const std::uint8_t> bytes, const std::filesystem::path& pa
 Image main_layer(const ImageFile& file) {
     const std::vector<std::string> layers = file.layers();
     if (std::ranges::find(layers, "") != layers.end()) return to_image(file);
-    const auto is_colored = [&](const std::string& layer) {
-        return std::ranges::all_of(std::array{"R", "G", "B"}, [&](const char* channel) {
-            return file.plane(fmt::format("{}.{}", layer, channel)) != nullptr;
-        });
-    };
-    const auto chosen = std::ranges::find_if(layers, is_colored);
-    if (chosen == layers.end()) return to_image(file);
-    Image image = to_image(file, *chosen);
-    image.notice += fmt::format("{}all its channels are in layers, of which \"{}\" is used",
-                                image.notice.empty() ? "" : "; ", *chosen);
-    return image;
+    for (const std::string& layer : layers) {
+        Image image = to_image(file, layer);
+        const auto has = [&](const char* channel) { return image.channel(channel).has_value(); };
+        if (!has("R") || !has("G") || !has("B")) continue;
+        image.notice += fmt::format("{}all its channels are in layers, of which \"{}\" is used",
+                                    image.notice.empty() ? "" : "; ", layer);
+        return image;
+    }
+    return to_image(file);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/plugin/registry.h"
 
+#include "core/description/default_types.h"
 #include "core/plugin/build_context.h"
 #include "core/plugin/library.h"
 
@@ -18,18 +19,18 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Kind {
-    std::string_view name, folder, default_plugin;
+    std::string_view name, folder;
 };
 
 constexpr std::array kinds{
-    Kind{"integrator", "integrators", "path"}, Kind{"light_sampler", "light_samplers", "cache"},
-    Kind{"shape", "shapes", "sphere"},         Kind{"bsdf", "bsdfs", "diffuse"},
-    Kind{"emitter", "emitters", "area"},       Kind{"texture", "textures", "checkerboard"},
-    Kind{"medium", "media", "homogeneous"},    Kind{"phase", "phases", "isotropic"},
-    Kind{"volume", "volumes", "constvolume"},  Kind{"sensor", "sensors", "perspective"},
-    Kind{"sampler", "samplers", "sobol"},      Kind{"film", "films", "hdrfilm"},
-    Kind{"rfilter", "rfilters", "gaussian"},   Kind{"command", "commands", "render"},
-    Kind{"preview", "previews", "tev"},
+    Kind{"integrator", "integrators"}, Kind{"light_sampler", "light_samplers"},
+    Kind{"shape", "shapes"},           Kind{"bsdf", "bsdfs"},
+    Kind{"emitter", "emitters"},       Kind{"texture", "textures"},
+    Kind{"medium", "media"},           Kind{"phase", "phases"},
+    Kind{"volume", "volumes"},         Kind{"sensor", "sensors"},
+    Kind{"sampler", "samplers"},       Kind{"film", "films"},
+    Kind{"rfilter", "rfilters"},       Kind{"command", "commands"},
+    Kind{"preview", "previews"},
 };
 
 struct Alias {
@@ -82,10 +83,7 @@ const std::vector<std::string>& plugin_kinds() {
     return names;
 }
 
-std::string_view default_plugin(std::string_view kind) {
-    const Kind* found = find_kind(kind);
-    return found ? found->default_plugin : std::string_view();
-}
+std::string_view default_plugin(std::string_view kind) { return default_type(kind); }
 
 std::string_view plugin_alias(std::string_view kind, std::string_view name) {
     for (const Alias& alias : aliases) {

@@ -31,10 +31,17 @@ ImageFile color_planes(const ImageFile& image) {
 PicturePaths::PicturePaths(fs::path output, const fs::path& scene) {
     if (output.empty()) output = scene.stem();
     const fs::path extension = output.extension();
-    if (extension == ".exr" || extension == ".png") output.replace_extension();
+    if (extension == ".exr" || extension == ".png" || extension == ".pfm") {
+        output.replace_extension();
+    }
     exr = png = output;
     exr += ".exr";
     png += ".png";
+}
+
+fs::path PicturePaths::other(const char* extension) const {
+    fs::path path = exr;
+    return path.replace_extension(extension);
 }
 
 void PicturePaths::check() const {
@@ -74,17 +81,26 @@ ImageFile annotated_image(const FilmState& film, const RenderFigures& figures,
     return image;
 }
 
-void write_pictures(const Film& film, const ImageFile& image, const PicturePaths& paths,
-                    const PictureView& view) {
-    const bool film_is_png = film.extension() == std::string_view(".png");
-    if (film_is_png) {
+std::vector<fs::path> write_pictures(const Film& film, const ImageFile& image,
+                                     const PicturePaths& paths, const PictureView& view) {
+    const std::string_view kind = film.extension();
+    std::vector<fs::path> written{paths.exr, paths.png};
+    if (kind == ".exr") {
+        film.write(image, paths.exr);
+    } else {
         write_exr(paths.exr, image);
-        film.write(image, paths.png);
-        return;
     }
-    film.write(image, paths.exr);
-    write_png(paths.png,
-              view.color.display(to_image(color_planes(image)), view.name, view.exposure));
+    if (kind == ".png") {
+        film.write(image, paths.png);
+    } else {
+        write_png(paths.png,
+                  view.color.display(to_image(color_planes(image)), view.name, view.exposure));
+    }
+    if (kind != ".exr" && kind != ".png") {
+        written.push_back(paths.other(film.extension()));
+        film.write(image, written.back());
+    }
+    return written;
 }
 
 }  // namespace lucerna

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The pictures of a finished render: linear in an EXR file, as a display shows it in a PNG file.
+/// The pictures of a finished render: linear in an EXR file, as a display shows it in a PNG file,
+/// and in the film's own kind of file, if that is another.
 #pragma once
 
 #include "core/image/color.h"
@@ -11,12 +12,15 @@
 
 namespace lucerna {
 
-/// Where a render is stored: two files that differ in their extension.
+/// Where a render is stored: files that differ in their extension.
 struct PicturePaths {
     std::filesystem::path exr, png;
 
-    /// `output` with or without one of the extensions; if it is empty, the scene's name, in the
-    /// current directory.
+    /// Of another kind of file; `extension` begins with a dot.
+    std::filesystem::path other(const char* extension) const;
+
+    /// `output` with or without one of the extensions (".pfm", too); if it is empty, the scene's
+    /// name, in the current directory.
     PicturePaths(std::filesystem::path output, const std::filesystem::path& scene);
     /// Throws FileError if one of them could not be written: to be called before rendering.
     void check() const;
@@ -37,8 +41,10 @@ PictureView picture_view(const std::string& name, double exposure);
 ImageFile annotated_image(const FilmState& film, const RenderFigures& figures,
                           const std::string& command, const std::string& scene);
 
-/// Writes both files; the film decides how its own kind of file looks. Throws FileError.
-void write_pictures(const Film& film, const ImageFile& image, const PicturePaths& paths,
-                    const PictureView& view);
+/// Writes all files; the film decides how its own kind of file looks. Returns where they are.
+/// Throws FileError.
+std::vector<std::filesystem::path> write_pictures(const Film& film, const ImageFile& image,
+                                                  const PicturePaths& paths,
+                                                  const PictureView& view);
 
 }  // namespace lucerna

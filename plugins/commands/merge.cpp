@@ -146,16 +146,17 @@ public:
 
 private:
     void write_picture(const RenderState& state, const RenderFigures& figures,
-                       const PictureView& view) const;
+                       const PictureView& view);
     void print(const RenderState& state, const RenderFigures& figures) const;
 
     const Request& request_;
     std::string command_;
     PicturePaths paths_;
+    std::vector<fs::path> pictures_;  ///< that have been written
 };
 
 void Merge::write_picture(const RenderState& state, const RenderFigures& figures,
-                          const PictureView& view) const {
+                          const PictureView& view) {
     Registry registry({request_.plugin_folders.begin(), request_.plugin_folders.end()});
     const StoredFilm film(state.part.film, registry);
     ImageFile image = annotated_image(state.film, figures, command_, state.part.scene);
@@ -166,7 +167,7 @@ void Merge::write_picture(const RenderState& state, const RenderFigures& figures
     image.metadata["lucerna:parts"] = state.part.parts;
     image.metadata["lucerna:samples"] = state.part.samples.text();
     if (const auto wall = wall_seconds(state.part)) image.metadata["lucerna:wall_seconds"] = *wall;
-    write_pictures(*film, image, paths_, view);
+    pictures_ = write_pictures(*film, image, paths_, view);
 }
 
 void Merge::print(const RenderState& state, const RenderFigures& figures) const {
@@ -179,7 +180,7 @@ void Merge::print(const RenderState& state, const RenderFigures& figures) const 
         json.set("unfinished_samples", unfinished_samples(part).text());
         if (const auto wall = wall_seconds(part)) json.set("wall_seconds", *wall);
         if (!request_.output.empty()) {
-            json.set("images", std::vector<std::string>{paths_.exr.string(), paths_.png.string()});
+            json.set("images", std::vector<std::string>(pictures_.begin(), pictures_.end()));
         }
         if (!request_.state.empty()) json.set("state", request_.state);
         json.set("figures", to_json(figures));
@@ -191,9 +192,7 @@ void Merge::print(const RenderState& state, const RenderFigures& figures) const 
                figures.samples, state.seconds);
     if (const auto wall = wall_seconds(part)) fmt::print(", {:.2f} s from begin to end", *wall);
     fmt::print("{}\n", error_text(figures));
-    if (!request_.output.empty()) {
-        fmt::print("{}\n{}\n", paths_.exr.string(), paths_.png.string());
-    }
+    for (const fs::path& picture : pictures_) fmt::print("{}\n", picture.string());
     if (!request_.state.empty()) fmt::print("{}\n", request_.state);
 }
 

@@ -3,9 +3,11 @@
 ///
 /// As `ldrfilm` it writes a PNG unless file_format says otherwise: sRGB-encoded, 8 bits, values
 /// above 1 clipped. Layers of the integrator go to the EXR only. There, colours have 16 bits by
-/// default, and what may be a distance, a position or a number has 32.
+/// default, and what may be a distance, a position or a number has 32. A portable float map has
+/// 32 bits, and no alpha, as in Mitsuba.
 #include "core/image/color.h"
 #include "core/image/exr.h"
+#include "core/image/plain_formats.h"
 #include "core/image/png.h"
 #include "core/interfaces/film.h"
 
@@ -19,15 +21,15 @@ namespace lucerna {
 
 namespace {
 
-enum class FileFormat { openexr, png };
-enum class PixelFormat { luminance, luminance_alpha, rgb, rgba };
+enum class FileFormat { openexr, png, pfm };
+enum class PixelColor { luminance, rgb, xyz };
 
-bool has_alpha(PixelFormat format) {
-    return format == PixelFormat::luminance_alpha || format == PixelFormat::rgba;
-}
-bool is_grey(PixelFormat format) {
-    return format == PixelFormat::luminance || format == PixelFormat::luminance_alpha;
-}
+struct PixelFormat {
+    PixelColor color = PixelColor::rgb;
+    bool alpha = false;
+    bool operator==(const PixelFormat&) const = default;
+};
+
 bool is_color(const Plane& plane) {
     return plane.name == "R" || plane.name == "G" || plane.name == "B";
 }
@@ -38,12 +40,28 @@ bool holds_color(const Plane& plane) {
     return std::find(names.begin(), names.end(), channel) != names.end();
 }
 
-/// R, G and B as one channel Y.
-Plane luminance_plane(const ImageFile& image) {
+/// R, G and B of `image` as one channel Y.
+void add_luminance(const ImageFile& image, bool half, ImageFile& result) {
     const Image color = to_image(image);
     std::vector<float> y(color.pixel_count());
     for (std::size_t i = 0; i < y.size(); ++i) y[i] = luminance(color.rgb(i));
-    return {.name = "Y", .samples = std::move(y)};
+    result.planes.push_back({.name = "Y", .samples = std::move(y), .half = half});
+}
+
+/// R, G and B of `image` as X, Y and Z of CIE 1931, of which the white D65 has Y = 1.
+void add_xyz(const ImageFile& image, bool half, ImageFile& result) {
+    static const Matrix3d xyz_from_rec709 = glm::inverse(rec709_from_xyz);
+    const Image color = to_image(image);
+    constexpr std::array names{"X", "Y", "Z"};
+    for (int c = 0; c < 3; ++c) {
+        std::vector<float> samples(color.pixel_count());
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            samples[i] = static_cast<float>((xyz_from_rec709 * ColorD(color.rgb(i)))[c]);
+        }
+        result.planes.push_back({.name = names[static_cast<std::size_t>(c)],
+                                 .samples = std::move(samples),
+                                 .half = half});
+    }
 }
 
 class HdrFilm final : public Film {
@@ -60,14 +78,17 @@ public:
               "file_format", params.type() == "ldrfilm" ? FileFormat::png : FileFormat::openexr,
               {{"openexr", FileFormat::openexr},
                {"exr", FileFormat::openexr},
-               {"png", FileFormat::png}},
+               {"png", FileFormat::png},
+               {"pfm", FileFormat::pfm}},
               "of the file")),
           pixel_format_(
-              params.choice<PixelFormat>("pixel_format", PixelFormat::rgb,
-                                         {{"luminance", PixelFormat::luminance},
-                                          {"luminance_alpha", PixelFormat::luminance_alpha},
-                                          {"rgb", PixelFormat::rgb},
-                                          {"rgba", PixelFormat::rgba}},
+              params.choice<PixelFormat>("pixel_format", {PixelColor::rgb, false},
+                                         {{"luminance", {PixelColor::luminance, false}},
+                                          {"luminance_alpha", {PixelColor::luminance, true}},
+                                          {"rgb", {PixelColor::rgb, false}},
+                                          {"rgba", {PixelColor::rgb, true}},
+                                          {"xyz", {PixelColor::xyz, false}},
+                                          {"xyza", {PixelColor::xyz, true}}},
                                          "channels of the file")),
           half_(params.choice<bool>("component_format", true,
                                     {{"float16", true}, {"float32", false}},
@@ -76,6 +97,7 @@ public:
           half_data_(half_ && params.has("component_format")),
           rfilter_(params.nested_or<RFilter>("gaussian", "the reconstruction filter")) {
         check_crop(params);
+        check_formats(params);
         for (const char* name : {"banner", "label", "attach_log", "compensate"}) {
             params.no_effect(name, "files hold nothing but the image, and sums are exact");
         }
@@ -91,14 +113,22 @@ public:
     CropWindow crop() const override { return crop_; }
     const RFilter& rfilter() const override { return rfilter_; }
     const char* extension() const override {
-        return file_format_ == FileFormat::png ? ".png" : ".exr";
+        return file_format_ == FileFormat::png   ? ".png"
+               : file_format_ == FileFormat::pfm ? ".pfm"
+                                                 : ".exr";
     }
 
     void write(const ImageFile& image, const std::filesystem::path& path) const override {
-        if (file_format_ == FileFormat::png) {
-            write_png(path, ColorConfig().display(to_image(selected(image, false))));
-        } else {
-            write_exr(path, selected(image, true));
+        switch (file_format_) {
+            case FileFormat::openexr:
+                write_exr(path, selected(image, true));
+                break;
+            case FileFormat::png:
+                write_png(path, ColorConfig().display(to_image(selected(image, false))));
+                break;
+            case FileFormat::pfm:
+                write_portable_float_map(path, to_image(selected(image, false)));
+                break;
         }
     }
 
@@ -115,20 +145,38 @@ private:
                                  size_.x, size_.y));
     }
 
+    /// What the kind of file cannot hold becomes what is nearest to it, as in Mitsuba.
+    void check_formats(const Params& params) {
+        const bool pfm = file_format_ == FileFormat::pfm;
+        if (pfm && half_ && params.has("component_format")) {
+            params.warning("component_format", "the values of a PFM file have 32 bits");
+        }
+        if (pfm && pixel_format_.alpha) {
+            params.warning("pixel_format", "a PFM file has no alpha, which is left out");
+            pixel_format_.alpha = false;
+        }
+        if (file_format_ != FileFormat::openexr && pixel_format_.color == PixelColor::xyz) {
+            params.warning("pixel_format", "only OpenEXR files hold X, Y and Z; it will be RGB");
+            pixel_format_.color = PixelColor::rgb;
+        }
+    }
+
     /// The image in the pixel format; EXR files keep all other channels.
     ImageFile selected(const ImageFile& image, bool layers) const {
         ImageFile result = image;
         std::erase_if(result.planes, [&](const Plane& plane) {
-            if (is_color(plane)) return is_grey(pixel_format_);
-            if (plane.name == "A") return !has_alpha(pixel_format_);
+            if (is_color(plane)) return pixel_format_.color != PixelColor::rgb;
+            if (plane.name == "A") return !pixel_format_.alpha;
             return !layers;
         });
-        if (is_grey(pixel_format_)) {
-            result.planes.insert(result.planes.begin(), luminance_plane(image));
-        }
         for (Plane& plane : result.planes) {
             plane.half = (holds_color(plane) ? half_ : half_data_) &&
                          std::holds_alternative<std::vector<float>>(plane.samples);
+        }
+        if (pixel_format_.color == PixelColor::luminance) {
+            add_luminance(image, half_, result);
+        } else if (pixel_format_.color == PixelColor::xyz) {
+            add_xyz(image, half_, result);
         }
         return result;
     }
@@ -143,6 +191,6 @@ private:
 
 }  // namespace
 
-const PluginInfo plugin = describe<HdrFilm>("an image in an OpenEXR or PNG file");
+const PluginInfo plugin = describe<HdrFilm>("an image in an OpenEXR, PNG or PFM file");
 
 }  // namespace lucerna

@@ -99,6 +99,23 @@ inline bool has_scattering_media(const Scene& scene) {
     return scene.has_media() && std::any_of(scene.media().begin(), scene.media().end(), scatters);
 }
 
+/// Where photons can be scattered by media: around all shapes that have them inside; around the
+/// whole scene if a medium is inside of none.
+inline Bounds3 media_bounds(const Scene& scene) {
+    Bounds3 bounds;
+    std::vector<const Medium*> enclosed;
+    for (const Shape* shape : scene.shapes()) {
+        const Medium* medium = shape->media().interior;
+        if (!medium || !medium->may_scatter()) continue;
+        bounds.include(shape->bounds());
+        enclosed.push_back(medium);
+    }
+    const auto is_enclosed = [&](const Medium* medium) {
+        return !medium->may_scatter() || std::ranges::find(enclosed, medium) != enclosed.end();
+    };
+    return std::ranges::all_of(scene.media(), is_enclosed) ? bounds : scene.bounds();
+}
+
 /// Media are no lights: nothing leaves them as a photon.
 inline void warn_of_emission(const Scene& scene, const char* integrator) {
     const auto emits = [](const Medium* medium) { return medium->emits(); };

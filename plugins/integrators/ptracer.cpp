@@ -11,6 +11,8 @@
 
 #include "core/render/render_job.h"
 
+#include <span>
+
 namespace lucerna {
 
 namespace {
@@ -56,7 +58,7 @@ public:
     }
 
     /// Replaces the image by the splats of all chunks, times `scale`.
-    void draw(const std::vector<Bands>& chunks, float scale, const Workers& workers) {
+    void draw(std::span<const Bands> chunks, float scale, const Workers& workers) {
         const auto bands = static_cast<std::int64_t>(empty_bands().size());
         workers.run(bands, [&](std::int64_t b) {
             const int first = static_cast<int>(b) * band_rows;
@@ -117,8 +119,8 @@ public:
     bool unfiltered() const override { return true; }
 
 private:
-    void trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index,
-               SplatImage& image) const;
+    void trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t first,
+               std::span<SplatImage> images) const;
     void connect(const Scene& scene, const PhotonHit& hit, Vector2 u_lens, const SplatImage& image,
                  SplatImage::Bands& bands) const;
     void see_lights(const Scene& scene, const Ray& ray, PixelSample& result) const;
@@ -149,30 +151,41 @@ void ParticleTracer::connect(const Scene& scene, const PhotonHit& hit, Vector2 u
                                           ((wo.z / wo_n) * std::abs(wi_n) * seen->importance)});
 }
 
-void ParticleTracer::trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t index,
-                           SplatImage& image) const {
-    constexpr std::uint64_t chunk_size = 2048;
+std::uint64_t particles_of_pass(const RenderJob& job) {
     const Vector2i film = job.state().layout().full_size;
-    const PhotonPass pass{
-        .key = hash64({job.seed(), index, 0x97ac}),
-        .count = static_cast<std::uint64_t>(film.x) * static_cast<std::uint64_t>(film.y),
-        .max_depth = limits_.max_depth - 1,
-        .rr_depth = limits_.rr_depth,
-        .kinds = ~0u};
-    std::vector<SplatImage::Bands> chunks((pass.count + chunk_size - 1) / chunk_size,
-                                          image.empty_bands());
-    job.workers().run(std::ssize(chunks), [&](std::int64_t c) {
+    return static_cast<std::uint64_t>(film.x) * static_cast<std::uint64_t>(film.y);
+}
+
+constexpr std::uint64_t chunk_size = 2048;  // particles that one thread traces
+
+/// Makes the image of each pass from number `first` on.
+void ParticleTracer::trace(const RenderJob& job, const PhotonTracer& tracer, std::uint64_t first,
+                           std::span<SplatImage> images) const {
+    const std::uint64_t count = particles_of_pass(job);
+    const std::uint64_t chunks_of_pass = (count + chunk_size - 1) / chunk_size;
+    std::vector<SplatImage::Bands> chunks(images.size() * chunks_of_pass, images[0].empty_bands());
+    job.workers().run(std::ssize(chunks), [&](std::int64_t number) {
         if (job.interrupted() || tracer.dark()) return;
-        SplatImage::Bands& bands = chunks[static_cast<std::size_t>(c)];
+        const auto chunk = static_cast<std::uint64_t>(number);
+        const PhotonPass pass{.key = hash64({job.seed(), first + chunk / chunks_of_pass, 0x97ac}),
+                              .count = count,
+                              .max_depth = limits_.max_depth - 1,
+                              .rr_depth = limits_.rr_depth,
+                              .kinds = ~0u};
+        const SplatImage& image = images[chunk / chunks_of_pass];
+        SplatImage::Bands& bands = chunks[chunk];
         PhotonEnergy energy;
-        const std::uint64_t begin = static_cast<std::uint64_t>(c) * chunk_size;
+        const std::uint64_t begin = chunk % chunks_of_pass * chunk_size;
         const std::uint64_t end = std::min(begin + chunk_size, pass.count);
         tracer.trace(pass, begin, end, energy, [&](const PhotonHit& hit) {
             const std::uint64_t lens = hash64({pass.key, static_cast<std::uint64_t>(hit.depth)});
             connect(job.scene(), hit, sobol_owen_2d(hit.photon, lens), image, bands);
         });
     });
-    image.draw(chunks, 1 / static_cast<float>(pass.count), job.workers());
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        images[i].draw({&chunks[i * chunks_of_pass], chunks_of_pass}, 1 / static_cast<float>(count),
+                       job.workers());
+    }
 }
 
 void ParticleTracer::see_lights(const Scene& scene, const Ray& ray, PixelSample& result) const {
@@ -192,15 +205,26 @@ void ParticleTracer::see_lights(const Scene& scene, const Ray& ray, PixelSample&
 
 void ParticleTracer::render(RenderJob& job) const {
     const PhotonTracer tracer(job.scene());
-    SplatImage image(job.film().rfilter(), job.state().layout().sampled());
+    // Passes of small images are traced together, so that there is work for all threads.
+    constexpr std::uint64_t enough_particles = 16 * chunk_size;
+    const std::uint64_t together =
+        std::max<std::uint64_t>(enough_particles / particles_of_pass(job), 1);
+    std::vector<SplatImage> images(
+        std::min<std::uint64_t>(together, 64),
+        SplatImage(job.film().rfilter(), job.state().layout().sampled()));
     job.run_passes([&](SampleRange range) {
-        for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {
-            trace(job, tracer, i, image);
-            if (job.interrupted()) return;
-            job.sample_pixels({i, i + 1}, [&](const Ray& ray, SampleStream&, PixelSample& result) {
-                see_lights(job.scene(), ray, result);
-                result.unfiltered = image[result.pixel];
-            });
+        for (std::uint64_t first = range.begin; first < range.end; first += images.size()) {
+            const std::uint64_t count = std::min<std::uint64_t>(images.size(), range.end - first);
+            trace(job, tracer, first, {images.data(), count});
+            for (std::uint64_t i = 0; i < count; ++i) {
+                if (job.interrupted()) return;
+                const SplatImage& image = images[i];
+                job.sample_pixels({first + i, first + i + 1},
+                                  [&](const Ray& ray, SampleStream&, PixelSample& result) {
+                                      see_lights(job.scene(), ray, result);
+                                      result.unfiltered = image[result.pixel];
+                                  });
+            }
         }
     });
 }

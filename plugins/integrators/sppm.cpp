@@ -80,7 +80,7 @@ private:
                  std::uint64_t index) const;
     Color photons_seen(const Maps& maps, const GatherPoint& point) const;
     void sample(RenderJob& job, std::uint64_t index, const Maps& maps) const;
-    float first_radius(const RenderJob& job, float pixels) const;
+    float first_radius(const RenderJob& job, float pixels, const Bounds3& lit) const;
 
     PathLimits limits_;
     std::int64_t photons_;
@@ -113,14 +113,14 @@ std::optional<float> seen_width(const Scene& scene) {
 
 /// Unless it is given, so many pixels where the camera sees surfaces; but not so small that few
 /// photons are found: a disk holds at least two of each pass, if they are spread over a sphere
-/// around the scene. Small images have large pixels, but need not show more blur.
-float SPPMIntegrator::first_radius(const RenderJob& job, float pixels) const {
+/// around what is `lit`. Small images have large pixels, but need not show more blur.
+float SPPMIntegrator::first_radius(const RenderJob& job, float pixels, const Bounds3& lit) const {
     if (initial_radius_ > 0) return initial_radius_;
     constexpr float fewest_pixels = 128;
     const Vector2i size = job.film().size();
     const auto across = static_cast<float>(std::max(size.x, size.y));
-    const float scene_radius = job.scene().bounds().radius();
-    const float least = (scene_radius > 0 ? scene_radius : 1) *
+    const float lit_radius = lit.radius();
+    const float least = (lit_radius > 0 ? lit_radius : 1) *
                         std::sqrt(8 / std::max(static_cast<float>(photons_), 32.0f));
     const float seen = seen_width(job.scene()).value_or(0);
     return std::max(pixels * seen * std::min(across / fewest_pixels, 1.0f), least);
@@ -185,7 +185,8 @@ void SPPMIntegrator::sample(RenderJob& job, std::uint64_t index, const Maps& map
 
 void SPPMIntegrator::render(RenderJob& job) const {
     const PhotonTracer tracer(job.scene());
-    const Radii radii{.surfaces = first_radius(job, 6), .media = first_radius(job, 4)};
+    const Radii radii{.surfaces = first_radius(job, 6, job.scene().bounds()),
+                      .media = first_radius(job, 4, media_bounds(job.scene()))};
     warn_of_emission(job.scene(), "sppm");
     job.run_passes([&](SampleRange range) {
         for (std::uint64_t i = range.begin; i < range.end && !job.interrupted(); ++i) {

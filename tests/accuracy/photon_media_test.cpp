@@ -60,6 +60,19 @@ TEST(PhotonMedia, G11_AgreesWithPathTracingBehindGlass) {
     EXPECT_TRUE(agree(image_means(sppm + scene, 12, 6), traced, 0.02));
 }
 
+/// The first radius in media follows their size, not that of a floor that reaches far beyond them:
+/// else nearly all that is scattered twice would be lost in this cube.
+TEST(PhotonMedia, FirstRadiusFollowsTheSizeOfTheMedium) {
+    const std::string scene =
+        shape("cube", "", "<bsdf type='null'/>" + fog("interior", 1, 0.9)) +
+        shape("rectangle", scale(30) + "<translate z='-1.01'/>", diffuse(0)) +
+        point_light({1.5, 1.5, 3}, 20) +
+        xml({.to_world = look({0, -5, 1}, {0, 0, 0}), .fov = 30, .width = 16, .height = 16});
+    const RunningStatistics traced = image_means(integrator("volpath") + scene, 256, 4);
+    const std::string few = integrator("sppm", integer("photon_count", 20000));
+    EXPECT_TRUE(agree(image_means(few + scene, 16, 4), traced, 0.01));
+}
+
 /// A glossy floor in fog under a large lamp that it reflects: direct light by rays of the BSDF and
 /// by light samples, through the fog, is neither lost nor counted twice.
 TEST(PhotonMedia, G11_DirectLightOnGlossySurfaces) {

@@ -6,11 +6,14 @@
                                      [--radius 0.5,1,2] [--alpha 0.6,0.75] [--lookup 0,16]
                                      [--others] [--keep FOLDER] [--lucerna PROGRAM]
 
+Without --radius, --alpha and --lookup the program takes its own defaults, so that --lucerna can
+name an older program, to be compared with today's. --radius is in default first radii.
+
 The passes per processor second are measured on full pictures, for each setting, so that what else
 runs on the machine matters little; then the part with caustics alone is rendered with as many
 passes as two processors would do in these times, with several seeds, and compared with two long
-runs of ptracer, which --keep keeps. --radius is in default first radii. --others adds photonmap at
-its defaults, and ptracer, whose variance follows from that of the references.
+runs of ptracer, which --keep keeps. --others adds photonmap at its defaults, and ptracer, whose
+variance follows from that of the references.
 
 All is relative to the square of the reference, smoothed over 5 × 5 pixels: where it is dark, its
 own noise would be in the weight. With A, B the means of half of the seeds each, and R, S the
@@ -161,9 +164,9 @@ def main():
     parser.add_argument("--seconds", type=numbers, default=[10, 20, 60])
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--scene", action="append", choices=SCENES)
-    parser.add_argument("--radius", type=numbers, default=[1])
-    parser.add_argument("--alpha", type=numbers, default=[2 / 3])
-    parser.add_argument("--lookup", type=numbers, default=[16])
+    parser.add_argument("--radius", type=numbers, default=[None])
+    parser.add_argument("--alpha", type=numbers, default=[None])
+    parser.add_argument("--lookup", type=numbers, default=[None])
     parser.add_argument("--others", action="store_true")
     parser.add_argument("--keep", metavar="FOLDER")
     parser.add_argument("--lucerna", default="./lucerna")
@@ -205,10 +208,13 @@ def main():
                 measure("photonmap", "photonmap")
             for radius, alpha, lookup in itertools.product(arguments.radius, arguments.alpha,
                                                            arguments.lookup):
-                measure("sppm", f"radius {radius:g}, alpha {alpha:.3g}, lookup {lookup:g}",
-                        "--set", f"integrator.initial_radius={radius * runs.radius}",
-                        "--set", f"integrator.alpha={alpha}",
-                        "--set", f"integrator.lookup_size={lookup:.0f}")
+                given = {"initial_radius": radius and radius * runs.radius, "alpha": alpha,
+                         "lookup_size": None if lookup is None else int(lookup)}
+                given = {name: value for name, value in given.items() if value is not None}
+                options = [word for name, value in given.items()
+                           for word in ("--set", f"integrator.{name}={value}")]
+                measure("sppm", ", ".join(f"{name} {value:.4g}" for name, value in given.items())
+                        or "defaults", *options)
 
 
 if __name__ == "__main__":

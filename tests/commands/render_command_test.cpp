@@ -49,6 +49,16 @@ TEST_F(RenderCommandTest, output_may_have_either_extension_or_none) {
     }
 }
 
+TEST_F(RenderCommandTest, a_film_of_another_kind_is_a_third_picture) {
+    const std::string output =
+        render({"--spp", "1", "-o", "a.pfm", "--set", "sensor.film.file_format=pfm"});
+    for (const char* name : {"a.exr", "a.png", "a.pfm"}) {
+        EXPECT_TRUE(fs::exists(folder / name)) << name;
+        EXPECT_NE(output.find(name), std::string::npos) << output;
+    }
+    EXPECT_TRUE(read_exr(folder / "a.exr").plane("A"));
+}
+
 TEST_F(RenderCommandTest, scene_can_be_changed) {
     render({"-q", "--resolution", "20x10", "--set", "integrator.max_depth=2", "-D", "spp=2"});
     EXPECT_EQ(read_exr(folder / "scene.exr").width, 20);

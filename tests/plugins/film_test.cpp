@@ -4,6 +4,7 @@
 #include "core/image/color.h"
 #include "core/image/exr.h"
 #include "core/image/png.h"
+#include "core/image/read_image.h"
 #include "tests/plugins/workshop.h"
 
 #include <gtest/gtest.h>
@@ -131,6 +132,55 @@ TEST_F(Films, LayersThatAreNoColoursKeep32Bits) {
     EXPECT_FALSE(half("", "nn.X"));
     EXPECT_TRUE(half(word("component_format", "float16"), "depth"));
     EXPECT_FALSE(half(word("component_format", "float32"), "R"));
+}
+
+/// As Mitsuba 3 does; the white of Rec.709 has the XYZ of D65.
+TEST_F(Films, XyzIsThatOfRec709) {
+    const ImageFile xyz =
+        written(word("pixel_format", "xyz") + word("component_format", "float32"));
+    EXPECT_FALSE(xyz.plane("R"));
+    EXPECT_FALSE(xyz.plane("A"));
+    EXPECT_NEAR(values(xyz, "X").at(1), 2 * 0.412391 + 1e6 * 0.180481, 1);
+    EXPECT_NEAR(values(xyz, "Y").at(0), luminance(Color(0.1f, 0.2f, 0.3f)), 1e-7);
+    EXPECT_NEAR(values(xyz, "Z").at(0), 0.1 * 0.019331 + 0.2 * 0.119195 + 0.3 * 0.950532, 1e-6);
+    const ImageFile xyza = written(word("pixel_format", "xyza"));
+    EXPECT_EQ(values(xyza, "A"), (std::vector<float>{1, 0.25f}));
+    EXPECT_TRUE(xyza.plane("X")->half);
+    // Read again, it is the picture.
+    Image image = to_image(xyz);
+    ColorConfig().to_rendering(image);
+    EXPECT_NEAR(image.rgb(0, 0).x, 0.1f, 1e-6f);
+    EXPECT_NEAR(image.rgb(0, 0).z, 0.3f, 1e-6f);
+}
+
+TEST_F(Films, PfmHoldsTheColourIn32Bits) {
+    const auto pfm = [&](const std::string& body) {
+        const Film& f = workshop_.make<Film>(film("hdrfilm", word("file_format", "pfm") + body));
+        EXPECT_STREQ(f.extension(), ".pfm");
+        f.write(picture(), folder_ / "a.pfm");
+        return read_image(folder_ / "a.pfm");
+    };
+    EXPECT_EQ(pfm("").pixels, (std::vector<float>{0.1f, 0.2f, 0.3f, 2, 0, 1e6f}));
+    EXPECT_EQ(workshop_.warnings(), "");
+    EXPECT_EQ(pfm(word("pixel_format", "luminance")).pixels.at(0),
+              luminance(Color(0.1f, 0.2f, 0.3f)));
+    EXPECT_EQ(pfm(word("pixel_format", "xyza") + word("component_format", "float16")).pixels.at(5),
+              1e6f);
+    for (const char* words : {"have 32 bits", "has no alpha", "only OpenEXR files"}) {
+        EXPECT_NE(workshop_.warnings().find(words), std::string::npos) << workshop_.warnings();
+    }
+}
+
+TEST_F(Films, FormatsThatAreNotThereAreErrorsThatTellWhatIs) {
+    EXPECT_NE(refusal(film("hdrfilm", word("file_format", "rgbe")))
+                  .find("it can be: openexr, exr, png, pfm"),
+              std::string::npos);
+    EXPECT_NE(refusal(film("hdrfilm", word("component_format", "uint32")))
+                  .find("it can be: float16, float32"),
+              std::string::npos);
+    EXPECT_NE(
+        refusal(film("hdrfilm", word("pixel_format", "multichannel"))).find("rgba, xyz, xyza"),
+        std::string::npos);
 }
 
 TEST_F(Films, LdrfilmWritesAnEncodedPNG) {

@@ -73,6 +73,7 @@ private:
     std::string command_;
     PictureView view_;
     PicturePaths paths_;
+    std::vector<std::filesystem::path> pictures_;  ///< that have been written
     Session session_;
     Display display_;
     std::set<std::uint64_t> roundings_;  ///< processors of the samples before this run
@@ -104,9 +105,9 @@ int Rendering::run() {
     } catch (const FileError&) {
         no_checkpoint = std::current_exception();  // there can still be pictures
     }
-    write_pictures(session_.scene().sensor().film(),
-                   annotated_image(result.film, result.figures, command_, request_.scene), paths_,
-                   view_);
+    pictures_ = write_pictures(
+        session_.scene().sensor().film(),
+        annotated_image(result.film, result.figures, command_, request_.scene), paths_, view_);
     fmt::print(stderr, "{}", figures_warnings(result.figures));
     if (!roundings_.empty()) {
         fmt::print(stderr, "{}", rounding_warning(session_.record(roundings_)));
@@ -188,7 +189,7 @@ Json Rendering::summary(const RenderResult& result) const {
     json.set("schema", 1);
     if (request_.json_progress) json.set("state", "finished");
     json.set("scene", request_.scene);
-    json.set("images", std::vector<std::string>{paths_.exr.string(), paths_.png.string()});
+    json.set("images", std::vector<std::string>(pictures_.begin(), pictures_.end()));
     if (!request_.checkpoint.empty()) json.set("checkpoint", request_.checkpoint);
     json.set("interrupted", result.interrupted);
     return json.set("figures", to_json(result.figures));
@@ -200,8 +201,9 @@ void Rendering::print(const RenderResult& result) const {
     } else if (request_.json) {
         fmt::print("{}", summary(result).text());
     } else if (!request_.quiet) {
-        fmt::print("{}{}\n{}\n{}\n", result.interrupted ? "interrupted; " : "",
-                   figures_text(result.figures), paths_.exr.string(), paths_.png.string());
+        fmt::print("{}{}\n", result.interrupted ? "interrupted; " : "",
+                   figures_text(result.figures));
+        for (const auto& picture : pictures_) fmt::print("{}\n", picture.string());
     }
     std::fflush(stdout);
 }

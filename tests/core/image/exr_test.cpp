@@ -205,13 +205,62 @@ TEST(Exr, OfSeveralPartsTheFirstIsReadAndThatIsTold) {
     EXPECT_EQ(to_image(file).notice, file.notice);
 }
 
+/// Made by Imf::RgbaOutputFile with WRITE_YCA: 4 x 4 pixels at (2, 2) of 8 x 8, not compressed.
+/// The colour is (0.75, 0.25, 0.5) k / 16 for k = 1 … 16, alpha x / 4.
+const Bytes& luminance_chroma() {
+    static const Bytes bytes = from_hex(
+        "762f3101020000006368616e6e656c730063686c697374004b0000004100010000000000000001000000"
+        "010000004259000100000001000000020000000200000052590001000000010000000200000002000000"
+        "59000100000000000000010000000100000000636f6d7072657373696f6e00636f6d7072657373696f6e"
+        "0001000000006461746157696e646f7700626f7832690010000000020000000200000005000000050000"
+        "00646973706c617957696e646f7700626f7832690010000000000000000000000007000000070000006c"
+        "696e654f72646572006c696e654f72646572000100000000706978656c417370656374526174696f0066"
+        "6c6f617400040000000000803f73637265656e57696e646f7743656e7465720076326600080000000000"
+        "00000000000073637265656e57696e646f77576964746800666c6f617400040000000000803f006d0100"
+        "00000000008d01000000000000a501000000000000c50100000000000002000000180000000000003400"
+        "38003a60356035003c003c0026002a802c002e0300000010000000000000340038003a802f8030403100"
+        "320400000018000000000000340038003a60356035003c003cc032803320348034050000001000000000"
+        "0000340038003ae0344035a0350036");
+    return bytes;
+}
+
+TEST(Exr, P3_LuminanceAndChromaBecomeRgb) {
+    const ImageFile file = decode(luminance_chroma());
+    EXPECT_EQ(file.planes.size(), 4u);
+    EXPECT_EQ(Vector2i(file.x, file.y), Vector2i(2, 2));
+    EXPECT_EQ(Vector2i(file.full_width, file.full_height), Vector2i(8, 8));
+    const Image image = to_image(file);
+    EXPECT_EQ(image.channels, (std::vector<std::string>{"R", "G", "B", "A"}));
+    for (std::size_t i = 0; i < 16; ++i) {
+        const float scale = static_cast<float>(i + 1) / 16;
+        const float* const pixel = image.pixels.data() + 4 * i;
+        // Halves of which the writer keeps seven bits.
+        EXPECT_NEAR(pixel[0], 0.75f * scale, 0.005f * scale);
+        EXPECT_NEAR(pixel[1], 0.25f * scale, 0.005f * scale);
+        EXPECT_NEAR(pixel[2], 0.5f * scale, 0.005f * scale);
+        EXPECT_EQ(pixel[3], static_cast<float>(i % 4) / 4);
+    }
+}
+
+TEST(Exr, P3_DamagedLuminanceAndChromaAreErrors) {
+    expect_prefixes_refused(luminance_chroma(), [](const Bytes& b) { decode(b); });
+    EXPECT_GT(count_refused_mutants(luminance_chroma(), [](const Bytes& b) { decode(b); }), 20);
+    using namespace std::string_view_literals;
+    const auto message = [](const Bytes& bytes) { return file_error([&] { decode(bytes); }); };
+    Bytes renamed = luminance_chroma();
+    *std::ranges::search(renamed, "BY\0"sv).begin() = 'C';
+    EXPECT_NE(message(renamed).find("no channel \"BY\"; save it as RGB"), std::string::npos);
+    // A channel: name, type, four bytes, sampling in x, sampling in y.
+    const Bytes fine = patched(luminance_chroma(), "BY\0"sv, 8, {1, 1});
+    EXPECT_NE(message(fine).find("a value for 1 x 1 pixels, not for 2 x 2"), std::string::npos);
+}
+
 TEST(Exr, RefusesWhatIsNotFlatRgb) {
     using namespace std::string_view_literals;
     ImageFile chroma = everything(4, 4);
     chroma.planes[0].name = "RY";
-    const Bytes luminance_chroma = bytes_of(encode_exr(chroma));
-    EXPECT_NE(file_error([&] { decode(luminance_chroma); }).find("save it as RGB"),
-              std::string::npos);
+    const Bytes chroma_alone = bytes_of(encode_exr(chroma));
+    EXPECT_NE(file_error([&] { decode(chroma_alone); }).find("save it as RGB"), std::string::npos);
 
     const Bytes file = bytes_of(encode_exr(everything(4, 4)));
     // A channel: name, type, four bytes, sampling in x, sampling in y.

@@ -5,7 +5,9 @@
 
 #include <bit>
 
+#include "core/base/file_bytes.h"
 #include "tests/core/image/damage.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -138,6 +140,22 @@ TEST(PortableMap, P3_IntegersAreEncodedAndFloatsAreNot) {
     EXPECT_FALSE(little.srgb_encoded);
     expect_prefixes_refused(pixels, [](const Bytes& b) { map(b); });
     EXPECT_GT(count_refused_mutants(pixels, [](const Bytes& b) { map(b); }), 20);
+}
+
+TEST(PortableMap, FloatsAreWrittenAsTheyAre) {
+    const TemporaryFolder folder;
+    const auto written = [&](const Image& image) {
+        write_portable_float_map(folder / "a.pfm", image);
+        return read_file_bytes(folder / "a.pfm");
+    };
+    Image grey(1, 2, {"Y"});
+    grey.pixels = {2, 1};
+    EXPECT_EQ(written(grey), bytes_of("Pf\n1 2\n-1.0\n") + from_hex("0000803f00000040"));
+    Image color(1, 2);
+    color.pixels = {1e-30f, -2, 3e30f, 0.1f, infinity, 0};
+    EXPECT_EQ(map(written(color)).pixels, color.pixels);
+    EXPECT_THROW(written(Image(1, 1, {"R", "G", "B", "A"})), Error);
+    EXPECT_THROW(write_portable_float_map(folder / "missing" / "a.pfm", grey), FileError);
 }
 
 }  // namespace

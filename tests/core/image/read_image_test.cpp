@@ -67,6 +67,16 @@ TEST(ReadImage, P7_WhereAllIsInLayersTheFirstColourIsThePicture) {
     const Image image = read_image(folder / "layers.exr");
     EXPECT_EQ(image.pixels, (std::vector<float>{2, 3, 4, 1}));
     EXPECT_EQ(image.notice, "all its channels are in layers, of which \"Scene.Main\" is used");
+
+    // Names of channels may be small, or whole words.
+    write_exr(folder / "small.exr",
+              {.width = 1,
+               .height = 1,
+               .planes = {plane("a.z", 9), plane("b.b", 4), plane("b.g", 3), plane("b.r", 2),
+                          plane("c.blue", 7), plane("c.green", 6), plane("c.red", 5)}});
+    const Image small = read_image(folder / "small.exr");
+    EXPECT_EQ(small.pixels, (std::vector<float>{2, 3, 4}));
+    EXPECT_EQ(small.notice, "all its channels are in layers, of which \"b\" is used");
 }
 
 TEST(ReadImage, P3_PlainFormatsAreKnownByTheirContent) {
