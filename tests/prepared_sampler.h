@@ -27,9 +27,7 @@ inline std::vector<std::string> tested_samplers() {
 /// The element of one of these names.
 inline std::string tested_sampler(const std::string& name) {
     if (name != "clusters") return light_sampler(name);
-    return light_sampler("cache",
-                         "<integer name='remember_all' value='0'/>"
-                         "<integer name='clusters' value='24'/>");
+    return light_sampler("cache", "<integer name='clusters' value='24'/>");
 }
 
 /// A light sampler from its element, such as `<light_sampler type="bvh"/>`, ready for a scene.
@@ -42,7 +40,7 @@ public:
         build_object(*description.root->children.front().element, description, registry_,
                      diagnostics, objects_);
         diagnostics.throw_if_errors();
-        objects_.back()->prepare(scene);
+        for (const auto& object : objects_) object->prepare(scene);
     }
     const LightSampler& operator*() const {
         return static_cast<const LightSampler&>(*objects_.back());
@@ -54,13 +52,9 @@ private:
     std::vector<std::unique_ptr<Object>> objects_;
 };
 
-/// How many draws choose a light at a point: samplers may need less than they are asked for.
-inline double draws_that_choose(const LightSampler& sampler, const Receiver& at) {
-    double count = 0;
-    for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
-        count += sampler.sample(at, draw, 0.5f).has_value() ? 1 : 0;
-    }
-    return count;
+/// The probability of a light at a point.
+inline float pmf(const LightSampler& sampler, const Receiver& at, std::uint32_t light) {
+    return sampler.at(at).pmf(light);
 }
 
 }  // namespace lucerna

@@ -106,4 +106,12 @@ testing::AssertionResult is_constant(const FilmState& film, double value, double
 /// clipping to the horizon).
 double polygon_irradiance(std::vector<Vector3d> vertices, Vector3d p, Vector3d n);
 
+/// An integrator `make(content)` that visits each of the lights of the scene `text` once.
+template <typename Make>
+std::string with_all_lights(const Make& make, const std::string& text,
+                            const std::filesystem::path& folder = ".") {
+    const auto lights = static_cast<int>(TestScene(text, folder).scene().lights().size());
+    return make("<light_sampler type='uniform'/>" + integer("emitter_samples", lights));
+}
+
 }  // namespace lucerna

@@ -5,6 +5,8 @@
 
 #include "core/interfaces/interaction.h"
 
+#include <cmath>
+
 namespace lucerna {
 
 class Emitter;
@@ -20,7 +22,15 @@ struct Light {
 /// What a light sampler chose.
 struct LightChoice {
     std::uint32_t light = 0;  ///< index into Scene::lights()
-    float pmf = 0;            ///< expected number of times that this light is drawn at this point
+    /// Its probability at this point, for the weights of multiple importance sampling; where that
+    /// is not known exactly, a function of light and point in its place.
+    float pmf = 0;
+    /// What the contribution of the light is multiplied by: an unbiased estimate of one over the
+    /// probability.
+    float weight = 1 / pmf;
+
+    /// Whether the weight is 1 / pmf, so that pmf is the probability.
+    bool is_exact() const { return std::abs(weight * pmf - 1) < 1e-5f; }
 };
 
 /// Light that arrives at a receiver from one sampled point or direction.

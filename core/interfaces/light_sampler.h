@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Which lights to sample from a point, and with what probability.
 ///
-/// Unbiasedness: the sum over all draws of contribution / pmf estimates the sum over all lights of
-/// their contributions. So each light that can contribute has pmf > 0.
+/// A plugin's class has a function
+///
+///     Distribution at(const Receiver& receiver) const;
+///
+/// that returns an object of its own, small and without pointers to memory of its own, with two
+/// functions:
+///
+///     std::optional<LightChoice> sample(double u) const;   // u in [0, 1); empty: no light
+///     float pmf(std::uint32_t light) const;                // what `sample` reports for a light
+///
+/// Unbiasedness: the mean of LightChoice::weight over all draws, counted where a light is drawn, is
+/// 1 for each light that can contribute. Where it is 1 / pmf, pmf is the probability of the light.
 #pragma once
 
 #include "core/interfaces/batch/light_sampler_batch.h"
 #include "core/interfaces/emitter.h"
 #include "core/plugin/plugin.h"
-
-#include <optional>
 
 namespace lucerna {
 
@@ -18,19 +26,13 @@ public:
     static constexpr const char* kind = "light_sampler";
     ~LightSampler() override;
 
-    /// Number of draws at each point; 0 if the scene has no light.
-    virtual std::uint32_t draws() const = 0;
-    /// Draw number `draw` < draws() for u in [0, 1). Empty: this draw chose no light.
-    virtual std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
-                                              float u) const = 0;
-    /// Expected number of times that `light` is drawn at this point, over all draws: exactly what
-    /// `sample` reports for it. A probability if there is one draw.
-    virtual float pmf(const Receiver& at, std::uint32_t light) const = 0;
+    /// The distribution at a point.
+    LightDistribution at(const Receiver& receiver) const;
 
     /// Memory of the tables that it keeps [bytes]; 0 if it has none.
     virtual std::size_t bytes() const { return 0; }
 
-    /// The functions above for many at once: made by `describe`.
+    /// `at` and LightDistribution::sample for many at once: made by `describe`.
     using Batch = LightSamplerBatch;
     const Batch& batch() const { return *batch_; }
 

@@ -7,6 +7,7 @@
 
 #include "core/math/vector.h"
 
+#include <bit>
 #include <initializer_list>
 
 namespace lucerna {
@@ -29,6 +30,14 @@ constexpr std::uint64_t hash64(std::initializer_list<std::uint64_t> values) {
     std::uint64_t h = 0x9e3779b97f4a7c15u;
     for (const std::uint64_t x : values) h = hash_combine(h, x);
     return h;
+}
+
+/// Hash of a point and `salt`.
+inline std::uint64_t hash_of_point(Vector3 p, std::uint64_t salt) {
+    const auto bits = [](float x) { return std::uint64_t{std::bit_cast<std::uint32_t>(x)}; };
+    const std::uint64_t key =
+        (bits(p.x) + salt) * 0x9e3779b97f4a7c15u + bits(p.y) * 0xbf58476d1ce4e5b9u + bits(p.z);
+    return mix64(key);
 }
 
 /// The upper 24 bits as a float in [0, 1): never 1, every value exact.

@@ -3,6 +3,7 @@
 
 #include "core/description/values.h"
 #include "core/plugin/build_context.h"
+#include "core/plugin/former_names.h"
 
 #include <fmt/format.h>
 
@@ -505,8 +506,10 @@ void Params::report_unused(bool stopped,
         const bool known = std::find(names.begin(), names.end(), name) != names.end() ||
                            std::find(names.begin(), names.end(), name + " …") != names.end();
         if (stopped && known) continue;
-        const std::string what = fmt::format("{} \"{}\" has no parameter \"{}\"{}", element_.kind,
-                                             element_.type, name, did_you_mean(name, names));
+        const std::string former = advice_for_former(former_parameters, element_.kind, name);
+        const std::string what =
+            fmt::format("{} \"{}\" has no parameter \"{}\"{}", element_.kind, element_.type, name,
+                        former.empty() ? did_you_mean(name, names) : former);
         if (element_.type_overridden || context_.lenient()) {
             context_.diagnostics().warning(where, what + ": ignored");
         } else {

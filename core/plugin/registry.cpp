@@ -3,6 +3,7 @@
 
 #include "core/description/default_types.h"
 #include "core/plugin/build_context.h"
+#include "core/plugin/former_names.h"
 #include "core/plugin/library.h"
 
 #include <fmt/format.h>
@@ -145,8 +146,9 @@ const PluginInfo& Registry::find(std::string_view kind, std::string_view asked) 
     const fs::path library = path(kind, name);
     if (library.empty()) {
         const std::vector<std::string> there_are = names(kind);
-        std::string message =
-            fmt::format("there is no {} {}{}", kind, quote(asked), did_you_mean(asked, there_are));
+        const std::string former = advice_for_former(former_plugins, kind, asked);
+        std::string message = fmt::format("there is no {} {}{}", kind, quote(asked),
+                                          former.empty() ? did_you_mean(asked, there_are) : former);
         if (!is_plain_name(name)) {
             message += fmt::format(
                 "\n  names of plugins are letters, digits, \"_\" and \"-\", {} at the most",

@@ -95,7 +95,9 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     prepare_if(true);
     prepare_if(false);
     for (const auto& object : parts_.objects) {
-        if (!light_sampler_) light_sampler_ = dynamic_cast<const LightSampler*>(object.get());
+        // The last one: objects come after those that are nested in them.
+        const auto* const sampler = dynamic_cast<const LightSampler*>(object.get());
+        if (sampler) light_sampler_ = sampler;
     }
 }
 

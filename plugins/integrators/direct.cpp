@@ -41,8 +41,8 @@ private:
 
     void sample(const Scene& scene, const Ray& ray, SampleStream& stream,
                 PixelSample& result) const;
-    Color sample_bsdf(const Scene& scene, const Interaction& at, Vector3 wo,
-                      SampleStream& stream) const;
+    Color sample_bsdf(const Scene& scene, const LightDistribution& lights, const Interaction& at,
+                      Vector3 wo, SampleStream& stream) const;
     Color radiance_from(const Scene& scene, const Interaction& at, Vector3 wo,
                         SampleStream& stream) const;
 
@@ -54,8 +54,8 @@ private:
 
 /// One sample of the BSDF, and the light that it finds. What goes straight through the surface is
 /// left to the camera ray.
-Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, Vector3 wo,
-                                    SampleStream& stream) const {
+Color DirectIntegrator::sample_bsdf(const Scene& scene, const LightDistribution& lights,
+                                    const Interaction& at, Vector3 wo, SampleStream& stream) const {
     const Vector2 u_lobe = stream.next_2d();
     const Vector2 u = stream.next_2d();
     const std::optional<ScatteredRay> next = scatter(at, wo, u_lobe.x, u);
@@ -74,8 +74,7 @@ Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, V
         const Emitter* const emitter = hit->shape->emitter();
         const Color radiance = emitter ? emitter->radiance(*hit, -wi) : Color(0);
         if (!is_black(radiance)) {
-            sum += beta * radiance *
-                   mis_weight(light_density(light_sampler_, scene, receiver, wi, *hit));
+            sum += beta * radiance * mis_weight(light_density(lights, scene, receiver, wi, *hit));
         }
         beta *= straight_transmittance(*hit, -wi);
     }
@@ -83,8 +82,7 @@ Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, V
     for (const std::uint32_t first : scene.infinite_lights()) {
         const std::uint32_t i = scene.light_along(first, wi);
         const Light& light = scene.lights()[i];
-        const float density =
-            light_sampler_.pmf(receiver, i) * light.emitter->pdf_li(light, receiver, wi, nullptr);
+        const float density = lights.pmf(i) * light.emitter->pdf_li(light, receiver, wi, nullptr);
         sum += beta * light.emitter->environment(wi) * mis_weight(density);
     }
     return sum;
@@ -93,16 +91,18 @@ Color DirectIntegrator::sample_bsdf(const Scene& scene, const Interaction& at, V
 /// Emission of a surface, and light that it scatters, by both strategies.
 Color DirectIntegrator::radiance_from(const Scene& scene, const Interaction& at, Vector3 wo,
                                       SampleStream& stream) const {
-    const auto passes = static_cast<float>(emitter_samples_);
-    const auto bsdf_passes = static_cast<float>(bsdf_samples_);
+    const auto bsdf_samples = static_cast<float>(bsdf_samples_);
+    LightDistribution lights;
     Color sum(0);
     if (!hide_emitters_ && at.shape->emitter()) sum = at.shape->emitter()->radiance(at, wo);
-    for (int i = 0; i < emitter_samples_; ++i) {
-        sum += sample_lights(scene, light_sampler_, *at.shape->bsdf(), at, wo, passes, bsdf_passes,
-                             stream) /
-               passes;
+    if (emitter_samples_ > 0) {
+        sum += sample_lights(scene, light_sampler_, *at.shape->bsdf(), at, wo,
+                             static_cast<std::uint32_t>(emitter_samples_), bsdf_samples, stream,
+                             lights);
     }
-    for (int i = 0; i < bsdf_samples_; ++i) sum += sample_bsdf(scene, at, wo, stream) / bsdf_passes;
+    for (int i = 0; i < bsdf_samples_; ++i) {
+        sum += sample_bsdf(scene, lights, at, wo, stream) / bsdf_samples;
+    }
     return sum;
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/interfaces/light_sampler.h"
 #include "core/interfaces/sampler.h"
+#include "core/math/sequences.h"
 #include "core/scene/scatter.h"
 #include "core/scene/scene.h"
 
@@ -31,20 +32,29 @@ inline float survival_probability(Color beta, float eta2) {
     return std::min(max_component(beta) * eta2, 0.999f);
 }
 
-/// Density with which `draws` of light sampling from `from` choose the direction `wi`, at the end
-/// of which lies `hit` on the surface of a light.
-inline float light_density(const LightSampler& sampler, const Scene& scene, const Receiver& from,
-                           Vector3 wi, const Interaction& hit) {
+/// Number `draw` of `draws` at a point, in [0, 1): strata of equal size, and 29 bits of a hash
+/// behind the 24 bits of `u`, so that a million lights can be told apart.
+inline double light_number(const Receiver& at, std::uint32_t draw, std::uint32_t draws, float u) {
+    const double fine =
+        static_cast<double>(u) + uint64_to_double(hash_of_point(at.p, draw)) * 0x1p-24;
+    return std::min((draw + fine) / draws, 1 - 0x1p-53);
+}
+
+/// Density with which a light sample at `from` has the direction `wi`, at the end of which lies
+/// `hit` on the surface of a light [1/sr].
+inline float light_density(const LightDistribution& lights, const Scene& scene,
+                           const Receiver& from, Vector3 wi, const Interaction& hit) {
     const std::uint32_t index = Scene::light_of(hit);
     const Light& light = scene.lights()[index];
-    return sampler.pmf(from, index) * light.emitter->pdf_li(light, from, wi, &hit);
+    return lights.pmf(index) * light.emitter->pdf_li(light, from, wi, &hit);
 }
 
 /// The last vertex of a path, as far as light that the next ray finds by chance depends on it.
 struct PathVertex {
     Receiver receiver;
+    LightDistribution lights;
     float pdf = 0;            ///< with which the BSDF chose the ray [1/sr]
-    float light_samples = 1;  ///< passes of light sampling there
+    float light_samples = 1;  ///< that were taken there
     bool specular = true;     ///< light sampling could not have found what the ray finds
 };
 
@@ -56,8 +66,7 @@ inline bool has_environment(const Scene& scene) {
 }
 
 /// Light from infinity along `d`, weighted against having been sampled at the vertex before.
-inline Color found_environment(const Scene& scene, const LightSampler& sampler,
-                               const PathVertex& before, Vector3 d) {
+inline Color found_environment(const Scene& scene, const PathVertex& before, Vector3 d) {
     Color sum(0);
     for (const std::uint32_t first : scene.infinite_lights()) {
         const Color radiance = scene.lights()[first].emitter->environment(d);
@@ -66,7 +75,7 @@ inline Color found_environment(const Scene& scene, const LightSampler& sampler,
         if (!before.specular) {
             const std::uint32_t i = scene.light_along(first, d);
             const Light& light = scene.lights()[i];
-            const float density = before.light_samples * sampler.pmf(before.receiver, i) *
+            const float density = before.light_samples * before.lights.pmf(i) *
                                   light.emitter->pdf_li(light, before.receiver, d, nullptr);
             weight = power_heuristic(before.pdf, density);
         }
@@ -76,26 +85,39 @@ inline Color found_environment(const Scene& scene, const LightSampler& sampler,
 }
 
 /// Light that the surface at the end of the ray emits towards `wo`, weighted in the same way.
-inline Color found_emission(const Scene& scene, const LightSampler& sampler,
-                            const PathVertex& before, const Interaction& at, Vector3 wo) {
+inline Color found_emission(const Scene& scene, const PathVertex& before, const Interaction& at,
+                            Vector3 wo) {
     if (!at.shape->emitter()) return Color(0);
     const Color radiance = at.shape->emitter()->radiance(at, wo);
     if (is_black(radiance) || before.specular) return radiance;
     const float density =
-        before.light_samples * light_density(sampler, scene, before.receiver, -wo, at);
+        before.light_samples * light_density(before.lights, scene, before.receiver, -wo, at);
     return radiance * power_heuristic(before.pdf, density);
 }
 
-/// Numbers of the sample stream that one call of `sample_lights` takes.
-inline std::uint32_t light_dimensions(const LightSampler& sampler) { return 4 * sampler.draws(); }
+/// Numbers of the sample stream that a light sample takes.
+inline constexpr std::uint32_t light_dimensions = 4;
 
-/// One draw of light sampling: what it adds if nothing lies between.
+/// One light sample: what it adds if nothing lies between.
 struct LightEstimate {
     LightSample sample;
     Vector3 wi_local{0};
     BSDFValue scattered;
-    float density = 0;  ///< pmf · pdf
-    Color response{0};  ///< what radiance is multiplied by: f |cos θ| weight / density
+    float density = 0;  ///< pmf · pdf, for the weights of multiple importance sampling
+    float weight = 0;   ///< what radiance · f |cos θ| is multiplied by, but for those weights
+    Color response{0};  ///< what radiance is multiplied by, with them: f |cos θ| w weight
+
+    /// Sets all but what the surface or the medium tells.
+    void weigh(const LightChoice& choice, const LightSample& light, float scattered_pdf,
+               float light_samples, float scatter_samples) {
+        sample = light;
+        density = choice.pmf * light.pdf;
+        weight = choice.weight / light.pdf;
+        const float mis =
+            light.delta ? 1.0f
+                        : power_heuristic(light_samples * density, scatter_samples * scattered_pdf);
+        response = Color(mis * weight);
+    }
 };
 
 /// Where and how a surface is seen, for light sampling.
@@ -116,32 +138,32 @@ struct LitSurface {
           samples_lights(any(lobes & smooth_lobes) && same_side(interaction, wo, wo_local)) {}
 };
 
-/// Draw number `draw` at many points. If the lights do not fit into the nearest cache, what
+/// A light sample at each of many points. If the lights do not fit into the nearest cache, what
 /// sampling the chosen ones will read is on its way.
-inline void choose_lights(const Scene& scene, const LightSampler& sampler, std::uint32_t draw,
-                          std::span<LightQuery> queries) {
-    sampler.batch().sample(sampler, draw, queries);
+inline void choose_lights(const Scene& scene, const LightSampler& sampler,
+                          std::span<LightDraw> draws) {
+    sampler.batch().sample(sampler, draws);
     const std::span<const Light> lights = scene.lights();
     constexpr std::size_t few = 1024;
     if (lights.size() < few) return;
-    for (const LightQuery& query : queries) {
-        if (query.choice) __builtin_prefetch(&lights[query.choice->light]);
+    for (const LightDraw& draw : draws) {
+        if (draw.choice) __builtin_prefetch(&lights[draw.choice->light]);
     }
     for (const auto what : {Shape::Batch::Prefetch::addresses, Shape::Batch::Prefetch::data}) {
-        for (const LightQuery& query : queries) {
-            if (!query.choice) continue;
-            const Light& light = lights[query.choice->light];
+        for (const LightDraw& draw : draws) {
+            if (!draw.choice) continue;
+            const Light& light = lights[draw.choice->light];
             if (!light.shape) continue;
             light.shape->batch().prefetch(*light.shape, light.primitive, what);
         }
     }
 }
 
-/// What the light of a choice adds, weighted against `bsdf_samples` samples of the BSDF; `passes`
-/// such draws are averaged by the caller. False: nothing can arrive, or be scattered towards the
-/// viewer, unless it counts `for_others`, too.
+/// What the light of a choice adds, weighted against `bsdf_samples` samples of the BSDF; the caller
+/// takes the mean of `light_samples` of them. False: nothing can arrive, or be scattered towards
+/// the viewer, unless it counts `for_others`, too.
 inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitSurface& surface,
-                         Vector2 u, float passes, float bsdf_samples, LightEstimate& result,
+                         Vector2 u, float light_samples, float bsdf_samples, LightEstimate& result,
                          bool for_others = false) {
     const Interaction& at = surface.at;
     const Light& light = scene.lights()[choice.light];
@@ -155,37 +177,37 @@ inline bool sample_light(const Scene& scene, const LightChoice& choice, const Li
         const bool reflected = wi_local.z * surface.wo_local.z > 0;
         if (!for_others || !(reflected || surface.receiver.sides == Sides::both)) return false;
     }
-    const float density = choice.pmf * sample->pdf;
-    const float weight =
-        sample->delta ? 1.0f : power_heuristic(passes * density, bsdf_samples * value.pdf);
-    result.sample = *sample;
+    result.weigh(choice, *sample, value.pdf, light_samples, bsdf_samples);
     result.wi_local = wi_local;
     result.scattered = value;
-    result.density = density;
-    result.response = value.f * (abs_cos_theta(wi_local) * weight / density);
+    result.response *= value.f * abs_cos_theta(wi_local);
     return true;
 }
 
-/// Direct light at `at` towards `wo` by light sampling: one pass over all draws of the sampler.
+/// Direct light at `at` towards `wo` by `light_samples` light samples. Fills `lights`, the
+/// distribution there, unless light sampling can find nothing.
 inline Color sample_lights(const Scene& scene, const LightSampler& sampler, const BSDF& bsdf,
-                           const Interaction& at, Vector3 wo, float passes, float bsdf_samples,
-                           SampleStream& stream) {
+                           const Interaction& at, Vector3 wo, std::uint32_t light_samples,
+                           float bsdf_samples, SampleStream& stream, LightDistribution& lights) {
     const LitSurface surface(at, bsdf, wo);
     if (!surface.samples_lights) return Color(0);
-    ColorD sum(0);  // in double: there may be a million draws
+    lights = sampler.at(surface.receiver);
+    const auto count = static_cast<float>(light_samples);
+    ColorD sum(0);  // in double: there may be a million samples
     LightEstimate estimate;
-    for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
-        const Vector2 u_light = stream.next_2d();
+    for (std::uint32_t i = 0; i < light_samples; ++i) {
+        const float u_light = stream.next_2d().x;
         const Vector2 u = stream.next_2d();
-        const auto choice = sampler.sample(surface.receiver, draw, u_light.x);
-        if (!choice || !sample_light(scene, *choice, surface, u, passes, bsdf_samples, estimate)) {
+        const auto choice =
+            lights.sample(light_number(surface.receiver, i, light_samples, u_light));
+        if (!choice || !sample_light(scene, *choice, surface, u, count, bsdf_samples, estimate)) {
             continue;
         }
         if (is_black(estimate.sample.radiance)) continue;
         const Color arriving = scene.transmittance(surface.receiver, estimate.sample);
         sum += ColorD(arriving * estimate.sample.radiance * estimate.response);
     }
-    return Color(sum);
+    return Color(sum / static_cast<double>(light_samples));
 }
 
 }  // namespace lucerna

@@ -39,57 +39,47 @@ struct SurfaceInMedium {
 /// `phase_samples` samples of the phase function. False: nothing can arrive, or be scattered to the
 /// viewer, unless it counts `for_others`, too.
 inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitPoint& point,
-                         Vector2 u, float passes, float phase_samples, LightEstimate& result,
+                         Vector2 u, float light_samples, float phase_samples, LightEstimate& result,
                          bool for_others = false) {
     const Light& light = scene.lights()[choice.light];
     const std::optional<LightSample> sample = light.emitter->sample_li(light, point.receiver, u);
     if (!sample || is_black(sample->radiance)) return false;
     const PhaseValue value = point.phase.evaluate(point.receiver.p, point.wo, sample->wi);
     if (!(value.f > 0) && !for_others) return false;
-    const float density = choice.pmf * sample->pdf;
-    const float weight =
-        sample->delta ? 1.0f : power_heuristic(passes * density, phase_samples * value.pdf);
-    result.sample = *sample;
+    result.weigh(choice, *sample, value.pdf, light_samples, phase_samples);
     result.wi_local = sample->wi;
     result.scattered = {.f = Color(value.f), .pdf = value.pdf};
-    result.density = density;
-    result.response = Color(value.f * weight / density);
+    result.response *= value.f;
     return true;
 }
 
 inline bool sample_light(const Scene& scene, const LightChoice& choice,
-                         const SurfaceInMedium& vertex, Vector2 u, float passes, float bsdf_samples,
-                         LightEstimate& result, bool for_others = false) {
-    return sample_light(scene, choice, vertex.surface, u, passes, bsdf_samples, result, for_others);
+                         const SurfaceInMedium& vertex, Vector2 u, float light_samples,
+                         float bsdf_samples, LightEstimate& result, bool for_others = false) {
+    return sample_light(scene, choice, vertex.surface, u, light_samples, bsdf_samples, result,
+                        for_others);
 }
 
-/// A number of part `pass` of [0, 1), which `count` passes divide.
-inline float stratum(std::uint32_t pass, float count, float u) {
-    return std::min((static_cast<float>(pass) + u) / count, one_minus_epsilon);
-}
-
-/// Passes of light sampling at a point, and how many they are in the weights: those of the vertex
-/// that light found by chance is weighted for.
-struct LightPasses {
+/// Light samples at a point, and how many they are in the weights: those of the vertex that light
+/// found by chance is weighted for.
+struct LightSampleCount {
     std::uint32_t taken, weighted;
 };
 
 /// Calls `visit(light, arriving)` for each light sample at a vertex (LitPoint or SurfaceInMedium),
-/// of which `arriving` is left; weighted against `scatter_samples` of the phase function or BSDF.
-/// `next_2d` gives the numbers that choose lights. `for_others`: as above.
+/// drawn from `lights`, of which `arriving` is left; weighted against `scatter_samples` of the
+/// phase function or BSDF. `next_2d` gives the numbers that choose lights. `for_others`: as above.
 template <typename Vertex, typename Numbers, typename Visit>
-void visit_light_samples(const Scene& scene, const LightSampler& sampler, const Vertex& vertex,
-                         LightPasses passes, float scatter_samples, bool for_others, Rng& rng,
+void visit_light_samples(const Scene& scene, const LightDistribution& lights, const Vertex& vertex,
+                         LightSampleCount count, float scatter_samples, bool for_others, Rng& rng,
                          Numbers&& next_2d, Visit&& visit) {
     if (!vertex.samples_lights()) return;
     LightEstimate light;
-    const auto count = static_cast<float>(passes.taken);
-    const auto weighted = static_cast<float>(passes.weighted);
-    for (std::uint32_t k = 0; k < passes.taken * sampler.draws(); ++k) {
-        const std::uint32_t pass = k % passes.taken, draw = k / passes.taken;
-        const float u_choice = stratum(pass, count, next_2d().x);
+    const auto weighted = static_cast<float>(count.weighted);
+    for (std::uint32_t k = 0; k < count.taken; ++k) {
+        const double u_choice = light_number(vertex.lit_from(), k, count.taken, next_2d().x);
         const Vector2 u_light = next_2d();
-        const auto choice = sampler.sample(vertex.lit_from(), draw, u_choice);
+        const auto choice = lights.sample(u_choice);
         if (!choice || !sample_light(scene, *choice, vertex, u_light, weighted, scatter_samples,
                                      light, for_others)) {
             continue;
@@ -101,22 +91,21 @@ void visit_light_samples(const Scene& scene, const LightSampler& sampler, const 
 
 /// What light samples add up to.
 struct DirectLight {
-    ColorD sum{0};  ///< in double: there may be a million draws
+    ColorD sum{0};  ///< in double: there may be a million samples
 
     void operator()(const LightEstimate& light, Color arriving) {
         sum += ColorD(arriving * light.sample.radiance * light.response);
     }
-    Color mean(std::uint32_t passes) const { return Color(sum / static_cast<double>(passes)); }
+    Color mean(std::uint32_t count) const { return Color(sum / static_cast<double>(count)); }
 };
 
 /// Light that reaches a vertex and is scattered towards wo, by light sampling.
 template <typename Vertex, typename Numbers>
-Color sample_lights(const Scene& scene, const LightSampler& sampler, const Vertex& vertex,
-                    LightPasses passes, float scatter_samples, Rng& rng, Numbers&& next_2d) {
+Color sample_lights(const Scene& scene, const LightDistribution& lights, const Vertex& vertex,
+                    LightSampleCount count, float scatter_samples, Rng& rng, Numbers&& next_2d) {
     DirectLight direct;
-    visit_light_samples(scene, sampler, vertex, passes, scatter_samples, false, rng, next_2d,
-                        direct);
-    return direct.mean(passes.taken);
+    visit_light_samples(scene, lights, vertex, count, scatter_samples, false, rng, next_2d, direct);
+    return direct.mean(count.taken);
 }
 
 /// Aims a line at a point on a light that matters somewhere on it.
@@ -124,12 +113,9 @@ inline void aim_at_light(const Scene& scene, const LightSampler& sampler, const 
                          Rng& rng, LineScattering& line) {
     const float t = line.forced_distance(rng.next_double());
     const Receiver middle = Receiver::in_medium(*way.medium, way.o, way.d, t);
-    const std::uint32_t draw =
-        std::min(static_cast<std::uint32_t>(rng.next_float() * static_cast<float>(sampler.draws())),
-                 sampler.draws() - 1);
-    const float u_choice = rng.next_float();
+    const double u_choice = rng.next_double();
     const Vector2 u_light = rng.next_float2();
-    const auto choice = sampler.sample(middle, draw, u_choice);
+    const auto choice = sampler.at(middle).sample(u_choice);
     if (!choice) return;
     const Light& light = scene.lights()[choice->light];
     if (light.shape) return line.aim_at(light.shape->sample_area(light.primitive, u_light).p);

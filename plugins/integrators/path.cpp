@@ -29,7 +29,7 @@ public:
                               "paths are shared by blocks of so many by so many pixels, a power of "
                               "two; 1: pixels do not share; 0: what a few paths show to be best")),
           emitter_samples_(
-              params.int32("emitter_samples", 0, {.min = 0, .max = 64},
+              params.int32("emitter_samples", 0, {.min = 0, .max = 1 << 20},
                            "samples of lights at the first vertex; 0: what a few paths show to be "
                            "best")),
           chain_(params.int32("specular_chain", -1, {.min = -1, .max = 64},
@@ -84,7 +84,7 @@ private:
 
         CameraSample* sample;
         std::uint32_t dimension = camera_dimensions;  ///< of the sample stream, at the next step
-        std::uint32_t light_samples;                  ///< passes of light sampling at the next step
+        std::uint32_t light_samples;                  ///< at the next step
         PathVertex before;
         SpecularChain chain;     ///< since the vertex before
         int depth = 0;           ///< vertices before the one that comes
@@ -93,7 +93,8 @@ private:
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
         Vector2 u_direction{0}, u_lobe_and_roulette{0};
         std::optional<LitSurface> surface;
-        Vector2 u_light{0};  ///< place on the light
+        LightDistribution lights;  ///< at `surface`, if it samples lights
+        Vector2 u_light{0};        ///< place on the light
         LightEstimate light;
         ColorD direct{0};
 
@@ -124,11 +125,10 @@ private:
 
 void PathIntegrator::prepare(const Scene& scene) {
     splitting_ = {.light_samples = emitter_samples_, .block_size = reuse_, .chain = chain_};
-    // Samplers of many draws make a path's own light good, and reuse dear.
-    const std::uint32_t draws = light_sampler_.draws();
-    if (max_depth_ <= 2 || draws == 0 || draws > 8) splitting_.block_size = 1;
-    const bool one_pass = max_depth_ <= 1 || draws == 0 || draws > 8;
-    if (emitter_samples_ == 0 && one_pass) splitting_.light_samples = 1;
+    // Many light samples make a path's own light good, and reuse dear.
+    const bool dark = scene.lights().empty();
+    if (max_depth_ <= 2 || dark || emitter_samples_ > 8) splitting_.block_size = 1;
+    if (emitter_samples_ == 0 && (max_depth_ <= 1 || dark)) splitting_.light_samples = 1;
     if (max_depth_ <= 2 || !may_light_chains(scene)) splitting_.chain = 0;
     if (splitting_.light_samples > 0 && splitting_.block_size > 0 && splitting_.chain >= 0) return;
     splitting_ = PathNoiseMeter(scene).find_best(
@@ -140,9 +140,8 @@ void PathIntegrator::prepare(const Scene& scene) {
 /// Adds what is emitted where the ray ends.
 void PathIntegrator::add_found_light(const Scene& scene, Path& path) const {
     if (path.depth == 0 && hide_emitters_) return;
-    const Color found =
-        path.hit ? found_emission(scene, light_sampler_, path.before, *path.hit, -path.ray.d)
-                 : found_environment(scene, light_sampler_, path.before, path.ray.d);
+    const Color found = path.hit ? found_emission(scene, path.before, *path.hit, -path.ray.d)
+                                 : found_environment(scene, path.before, path.ray.d);
     // Emission that the second vertex sees is weighted for the direction the path came from.
     if (path.depth - path.chain.vertices() > 2) {
         path.add(path.chain.weight() * found);
@@ -201,9 +200,8 @@ Color PathIntegrator::arriving_radiance(const Scene& scene, const Path& path) co
 /// Light sampling at the vertices of all paths, then all shadow rays.
 void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) const {
     if (paths.empty()) return;
-    const std::uint32_t draws = light_sampler_.draws();
-    const std::uint32_t passes = paths.front()->light_samples;  // the same for all
-    const std::uint32_t light_numbers = passes * light_dimensions(light_sampler_);
+    const std::uint32_t light_samples = paths.front()->light_samples;  // the same for all
+    const std::uint32_t light_numbers = light_samples * light_dimensions;
     for (Path* path : paths) {
         SampleStream& stream = path->sample->stream;
         stream.jump_to(path->dimension);
@@ -211,31 +209,39 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) co
         path->u_direction = stream.next_2d();
         path->u_lobe_and_roulette = stream.next_2d();
         path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
-        path->direct = ColorD(0);  // in double: there may be a million draws
+        path->direct = ColorD(0);  // in double: there may be a million samples
         if (path->depth == 0 && !path->surface->samples_lights) path->kept = nullptr;
         if (path->kept && path->depth < 2) keep_vertex(*path);
     }
     Paths lit, asking;
     lit.reserve(paths.size());
+    std::vector<const Receiver*> receivers;
+    std::vector<LightDistribution*> distributions;
     for (Path* path : paths) {
-        if (path->surface->samples_lights) asking.push_back(path);
+        if (!path->surface->samples_lights) continue;
+        asking.push_back(path);
+        receivers.push_back(&path->surface->receiver);
+        distributions.push_back(&path->lights);
     }
-    std::vector<LightQuery> queries(asking.size());
-    const auto pass_count = static_cast<float>(passes);
-    for (std::uint32_t k = 0; k < draws * passes; ++k) {
+    light_sampler_.batch().at(light_sampler_, receivers, distributions);
+    std::vector<LightDraw> draws(asking.size());
+    const auto sample_count = static_cast<float>(light_samples);
+    for (std::uint32_t k = 0; k < light_samples; ++k) {
         for (std::size_t i = 0; i < asking.size(); ++i) {
             Path& path = *asking[i];
-            queries[i] = {.at = &path.surface->receiver, .u = path.sample->stream.next_2d().x};
+            const float u = path.sample->stream.next_2d().x;
+            draws[i] = {.lights = &path.lights,
+                        .u = light_number(*receivers[i], k, light_samples, u)};
             path.u_light = path.sample->stream.next_2d();
         }
-        choose_lights(scene, light_sampler_, k % draws, queries);
+        choose_lights(scene, light_sampler_, draws);
         lit.clear();
         for (std::size_t i = 0; i < asking.size(); ++i) {
             Path* const path = asking[i];
-            const std::optional<LightChoice>& choice = queries[i].choice;
+            const std::optional<LightChoice>& choice = draws[i].choice;
             const bool for_others = path->depth == 1 && path->kept;
-            if (choice && sample_light(scene, *choice, *path->surface, path->u_light, pass_count, 1,
-                                       path->light, for_others)) {
+            if (choice && sample_light(scene, *choice, *path->surface, path->u_light, sample_count,
+                                       1, path->light, for_others)) {
                 lit.push_back(path);
             }
         }
@@ -247,7 +253,7 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) co
                 light.sample.radiance = arriving;
                 path->kept->lights.emplace_back(light, abs_cos_theta(light.wi_local));
             } else {
-                path->direct += ColorD(arriving * light.response / pass_count);
+                path->direct += ColorD(arriving * light.response / sample_count);
             }
         }
     }
@@ -275,9 +281,10 @@ bool PathIntegrator::scatter(const Scene& scene, Path& path, int step) const {
         if (!sample.specular()) {
             path.chain.begin();
         } else {
-            path.chain.pass(scene, light_sampler_, path.before, path.ray.d, at);
+            path.chain.pass(scene, path.before, path.ray.d, at);
         }
         path.before.receiver = surface.receiver;
+        path.before.lights = path.lights;
         path.before.pdf = sample.pdf;
         path.before.light_samples = static_cast<float>(light_samples);
         path.before.specular = sample.specular();

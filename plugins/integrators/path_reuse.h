@@ -34,14 +34,14 @@ struct ReusedLight {
     /// `cosine`: that of ReusableVertex.
     ReusedLight(const LightEstimate& it, float cosine)
         : wi_local(it.wi_local),
-          irradiance(it.sample.radiance * (cosine / it.density)),
+          irradiance(it.sample.radiance * (cosine * it.weight)),
           density(it.density),
           delta(it.sample.delta),
           own(it.scattered) {}
 
     Vector3 wi_local{0};
-    Color irradiance{0};  ///< L |cos θ| / density
-    float density = 0;    ///< draws · pmf · pdf [1/sr]
+    Color irradiance{0};  ///< L |cos θ| times the weight of the sample
+    float density = 0;    ///< samples · pmf · pdf [1/sr]
     bool delta = false;
     BSDFValue own;  ///< of the path's own directions
 };

@@ -28,36 +28,49 @@ struct PathLimits {
     int max_depth, rr_depth;
 };
 
+/// How many lights are sampled at a vertex of a camera path.
+inline std::uint32_t emitter_samples(const Params& params) {
+    return static_cast<std::uint32_t>(params.int32("emitter_samples", 1, {.min = 1, .max = 1 << 20},
+                                                   "samples of lights at each point"));
+}
+
 /// Where light is gathered on a path from the camera.
 struct GatherPoint {
     const Interaction& at;  ///< stores photons
     Vector3 wo;
-    int edges;                ///< of the path
-    const Medium* medium;     ///< through which it has come
-    std::optional<Rng>& rng;  ///< for media; empty if the scene has none
-    float bsdf_samples = 0;   ///< rays of the BSDF that look for direct light, too
+    int edges;                  ///< of the path
+    const Medium* medium;       ///< through which it has come
+    std::optional<Rng>& rng;    ///< for media; empty if the scene has none
+    LightDistribution& lights;  ///< filled by light sampling
+    float bsdf_samples = 0;     ///< rays of the BSDF that look for direct light, too
 };
 
 /// Direct light at a surface towards wo by light sampling, weighted against rays of the BSDF.
 inline Color sample_lights(const Scene& scene, const LightSampler& sampler,
-                           const GatherPoint& point, SampleStream& stream) {
+                           std::uint32_t light_samples, const GatherPoint& point,
+                           SampleStream& stream) {
     const BSDF& bsdf = *point.at.shape->bsdf();
     const float bsdf_samples = point.bsdf_samples;
     if (!point.rng) {
-        return sample_lights(scene, sampler, bsdf, point.at, point.wo, 1, bsdf_samples, stream);
+        return sample_lights(scene, sampler, bsdf, point.at, point.wo, light_samples, bsdf_samples,
+                             stream, point.lights);
     }
     const LitSurface surface(point.at, bsdf, point.wo);
-    return sample_lights(scene, sampler, SurfaceInMedium{surface, point.medium}, {1, 1},
-                         bsdf_samples, *point.rng, [&] { return stream.next_2d(); });
+    if (!surface.samples_lights) return Color(0);
+    point.lights = sampler.at(surface.receiver);
+    return sample_lights(scene, point.lights, SurfaceInMedium{surface, point.medium},
+                         {light_samples, light_samples}, bsdf_samples, *point.rng,
+                         [&] { return stream.next_2d(); });
 }
 
 class CameraPathTracer {
 public:
     struct Settings {
         int max_depth = 0;
-        bool hide_emitters = false;  ///< from the camera, not from mirrors
-        bool lights = true;          ///< false: returns only what is gathered
-        bool direct_light = true;    ///< the callback samples lights
+        bool hide_emitters = false;       ///< from the camera, not from mirrors
+        bool lights = true;               ///< false: returns only what is gathered
+        bool direct_light = true;         ///< the callback samples lights
+        std::uint32_t light_samples = 1;  ///< at a vertex
         std::uint32_t gather_dimensions =
             0;                              ///< numbers that the callback takes, if not for lights
         const MediumView* media = nullptr;  ///< if the scene has any
@@ -69,7 +82,7 @@ public:
           light_sampler_(light_sampler),
           settings_(settings),
           environment_(has_environment(scene)),
-          dimensions_(bsdf_dimensions + light_dimensions(light_sampler) +
+          dimensions_(bsdf_dimensions + settings.light_samples * light_dimensions +
                       settings.gather_dimensions + (settings.media ? medium_dimensions : 0)) {}
 
     /// Fills a camera sample. gather(GatherPoint) returns the radiance that leaves the point, which
@@ -82,7 +95,8 @@ private:
     struct Path {
         Ray ray;
         std::optional<Interaction> hit{};
-        PathVertex vertex{};
+        PathVertex vertex{};         ///< the last one
+        LightDistribution lights{};  ///< at the surface, where lights were sampled
         Color beta{1};
         float seen_through = 1;  ///< of what lies before the first vertex
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
@@ -149,8 +163,7 @@ inline bool CameraPathTracer::arrive(Path& path, PixelSample& result) const {
         if (!path.hit) break;
         const Interaction& at = *path.hit;
         if (show) {
-            result.radiance +=
-                path.beta * found_emission(scene_, light_sampler_, path.vertex, at, -d);
+            result.radiance += path.beta * found_emission(scene_, path.vertex, at, -d);
         }
         const bool unseen = hidden && at.shape->emitter();
         if (!unseen && path.edges < settings_.max_depth) return true;
@@ -162,7 +175,7 @@ inline bool CameraPathTracer::arrive(Path& path, PixelSample& result) const {
         if (settings_.media) path.medium = medium_beyond(at, d, path.medium);
     }
     if (show) {
-        result.radiance += path.beta * found_environment(scene_, light_sampler_, path.vertex, d);
+        result.radiance += path.beta * found_environment(scene_, path.vertex, d);
     }
     if (path.edges == 1) {
         const bool sky = show && !scene_.infinite_lights().empty();
@@ -188,12 +201,14 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
         const BSDF& bsdf = *at.shape->bsdf();
         const bool gathers = stores_photons(bsdf);
         const bool looks = !gathers || looks_for_light(bsdf);
-        const GatherPoint point{at, wo, path.edges, path.medium, path.rng, looks ? 1.0f : 0.0f};
+        const GatherPoint point{at,       wo,          path.edges,         path.medium,
+                                path.rng, path.lights, looks ? 1.0f : 0.0f};
         if (gathers) {
             result.radiance += path.beta * gather(point);
             if (!any(bsdf.lobes() & delta_lobes) && !looks) return;
         } else if (settings_.lights) {
-            result.radiance += path.beta * sample_lights(scene_, light_sampler_, point, stream);
+            result.radiance += path.beta * sample_lights(scene_, light_sampler_,
+                                                         settings_.light_samples, point, stream);
         }
         const std::optional<ScatteredRay> next =
             scatter(at, wo, u_lobe_and_roulette.x, u_direction);
@@ -207,7 +222,9 @@ void CameraPathTracer::operator()(const Ray& ray, SampleStream& stream, PixelSam
         if (settings_.media) path.medium = medium_beyond(at, path.ray.d, path.medium);
         if (sample.lobe != Lobe::null) {
             path.vertex = {.receiver = at.receiver(wo, bsdf.sides()),
+                           .lights = path.lights,
                            .pdf = sample.pdf,
+                           .light_samples = static_cast<float>(settings_.light_samples),
                            .specular = sample.specular()};
             ++path.edges;
         }

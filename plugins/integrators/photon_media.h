@@ -70,7 +70,7 @@ inline MediumPath MediumView::cross(const MediumSegment& way, Color beta, int ed
 /// homogeneous.
 inline Color MediumView::direct_light(const MediumSegment& way, Color beta, Vector2 u_line,
                                       Rng& rng) const {
-    if (light_sampler_.draws() == 0) return Color(0);
+    if (scene_.lights().empty()) return Color(0);
     if (!way.medium->homogeneous()) {
         MediumPath collided{.beta = beta};
         const bool scattered = sample_collision(way, true, u_line, rng, collided);
@@ -89,7 +89,7 @@ inline Color MediumView::direct_light(const MediumSegment& way, float t, Rng& rn
     const LitPoint point{.receiver = Receiver::in_medium(*way.medium, way.o, way.d, t),
                          .phase = way.medium->phase(),
                          .wo = -way.d};
-    return sample_lights(scene_, light_sampler_, point, {1, 1}, 0, rng,
+    return sample_lights(scene_, light_sampler_.at(point.receiver), point, {1, 1}, 0, rng,
                          [&] { return rng.next_float2(); });
 }
 

@@ -72,6 +72,7 @@ private:
     int final_gather_;
     Show show_;
     bool hide_emitters_;
+    std::uint32_t emitter_samples_;
     const LightSampler& light_sampler_;
 };
 
@@ -109,6 +110,7 @@ PhotonMapIntegrator::PhotonMapIntegrator(const Params& params)
                                  {"global", Show::global}},
                                 "the picture, the photons as dots, or one map alone")),
       hide_emitters_(params.boolean("hide_emitters", false, "the camera looks through emitters")),
+      emitter_samples_(emitter_samples(params)),
       light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
     lookup_.count = params.int32("lookup_size", 120, {.min = 0, .max = PhotonLookup::max_count},
                                  "nearest photons of an estimate; 0: all within the radius");
@@ -325,8 +327,9 @@ Color PhotonMapIntegrator::gather_ray(const Scene& scene, const Maps& maps, cons
         if (!stores_photons(*at.shape->bsdf())) continue;
         sum += beta * radiance(maps.caustic, at, wo, edges);
         if (distance < maps.global.radius()) {
-            const GatherPoint there{at, wo, edges, medium, point.rng};
-            sum += beta * sample_lights(scene, light_sampler_, there, stream);
+            LightDistribution lights;
+            const GatherPoint there{at, wo, edges, medium, point.rng, lights};
+            sum += beta * sample_lights(scene, light_sampler_, emitter_samples_, there, stream);
         } else {
             sum += beta * radiance(maps.global, at, wo, edges);
             may_be_smooth = false;
@@ -352,7 +355,8 @@ Color PhotonMapIntegrator::seen(const Scene& scene, const Maps& maps, const Medi
             break;
     }
     Color sum = radiance(maps.caustic, at, wo, edges);
-    if (!direct_from_map_) sum += sample_lights(scene, light_sampler_, point, stream);
+    if (!direct_from_map_)
+        sum += sample_lights(scene, light_sampler_, emitter_samples_, point, stream);
     return sum + (final_gather_ > 0 ? gather(scene, maps, media, point, stream)
                                     : radiance(maps.global, at, wo, edges));
 }
@@ -372,7 +376,8 @@ void PhotonMapIntegrator::render(RenderJob& job) const {
                                  .hide_emitters = hide_emitters_,
                                  .lights = show_ == Show::radiance,
                                  .direct_light = !direct_from_map_,
-                                 .gather_dimensions = static_cast<std::uint32_t>(4 * final_gather_),
+                                 .light_samples = emitter_samples_,
+                                 .gather_dimensions = 4 * static_cast<std::uint32_t>(final_gather_),
                                  .media = seen_media});
     job.render_samples([&](const Ray& ray, SampleStream& stream, PixelSample& result) {
         walk(ray, stream, result, [&](const GatherPoint& point) {

@@ -59,22 +59,20 @@ public:
     void end() { vertices_ = none; }
     /// The path has gone from `before` in direction `d` to the specular vertex `at`, or from
     /// another link of the chain, and goes on.
-    void pass(const Scene& scene, const LightSampler& sampler, const PathVertex& before, Vector3 d,
-              const Interaction& at) {
+    void pass(const Scene& scene, const PathVertex& before, Vector3 d, const Interaction& at) {
         if (vertices_ == none || vertices_ >= longest_ || !links_chain(at)) return end();
-        if (vertices_ == 0) weight_ = bsdf_weight(scene, sampler, before, d);
+        if (vertices_ == 0) weight_ = bsdf_weight(scene, before, d);
         ++vertices_;
     }
 
 private:
     static constexpr int none = -1;
 
-    static float bsdf_weight(const Scene& scene, const LightSampler& sampler,
-                             const PathVertex& before, Vector3 d) {
+    static float bsdf_weight(const Scene& scene, const PathVertex& before, Vector3 d) {
         const std::uint32_t index = scene.light_along(*only_environment(scene), d);
         const Light& light = scene.lights()[index];
-        const float density = sampler.pmf(before.receiver, index) *
-                              light.emitter->pdf_li(light, before.receiver, d, nullptr);
+        const float density =
+            before.lights.pmf(index) * light.emitter->pdf_li(light, before.receiver, d, nullptr);
         return power_heuristic(before.pdf, before.light_samples * density);
     }
 

@@ -52,6 +52,7 @@ public:
               "that photons are kept in")),
           hide_emitters_(
               params.boolean("hide_emitters", false, "the camera looks through emitters")),
+          emitter_samples_(emitter_samples(params)),
           light_sampler_(params.nested_or<LightSampler>("cache", "which lights to sample")) {
         if (lookup_.count == 1) {
             params.error("lookup_size", "one photon gives a radius but no light: use 2 or more");
@@ -88,6 +89,7 @@ private:
     PhotonLookup lookup_;
     PhotonStructure structure_;
     bool hide_emitters_;
+    std::uint32_t emitter_samples_;
     const LightSampler& light_sampler_;
 };
 
@@ -174,13 +176,15 @@ void SPPMIntegrator::sample(RenderJob& job, std::uint64_t index, const Maps& map
     const CameraPathTracer walk(scene, light_sampler_,
                                 {.max_depth = limits_.max_depth,
                                  .hide_emitters = hide_emitters_,
+                                 .light_samples = emitter_samples_,
                                  .media = media ? &*media : nullptr});
-    job.sample_pixels({index, index + 1}, [&](const Ray& ray, SampleStream& stream,
-                                              PixelSample& result) {
-        walk(ray, stream, result, [&](const GatherPoint& point) {
-            return photons_seen(maps, point) + sample_lights(scene, light_sampler_, point, stream);
+    job.sample_pixels(
+        {index, index + 1}, [&](const Ray& ray, SampleStream& stream, PixelSample& result) {
+            walk(ray, stream, result, [&](const GatherPoint& point) {
+                return photons_seen(maps, point) +
+                       sample_lights(scene, light_sampler_, emitter_samples_, point, stream);
+            });
         });
-    });
 }
 
 void SPPMIntegrator::render(RenderJob& job) const {

@@ -64,8 +64,8 @@ private:
     enum class Vertex { none, surface, medium };
 
     struct Path {
-        Path(const Scene& s, CameraSample& sample_, std::uint32_t passes)
-            : scene(s), sample(sample_), ray(sample_.ray), light_samples(passes) {
+        Path(const Scene& s, CameraSample& sample_, std::uint32_t count)
+            : scene(s), sample(sample_), ray(sample_.ray), light_samples(count) {
             if (scene.has_media()) medium = scene.sensor().medium();
         }
 
@@ -104,10 +104,11 @@ private:
         float collision = 0;             ///< distance to it, if the vertex is in the medium
         float direct_weight = 1;         ///< of light sampling there
         Rng rng{0};                      ///< for media
-        std::uint32_t light_samples;     ///< passes of light sampling at each vertex
+        std::uint32_t light_samples;     ///< at each vertex
         std::uint32_t dimension = camera_dimensions;
         Vector2 u_direction{0}, u_lobe_and_roulette{0}, u_distance{0}, u_line{0};
-        Receiver here;  ///< the surface at which the path is
+        Receiver here;             ///< the surface at which the path is
+        LightDistribution lights;  ///< at the vertex, if it samples lights
         PathVertex before;
         int depth = 0;                  ///< vertices before the one that comes
         float seen_through = 1;         ///< of what lies before the first vertex
@@ -152,7 +153,7 @@ void VolumetricPathIntegrator::prepare(const Scene& scene) {
     // In fog most of the noise comes from light samples near lamps, and paths that go on forever
     // add little to it: measured with tests/benchmarks/media_against_mitsuba.py.
     const bool media = scene.has_media();
-    const int usual_samples = media && light_sampler_.draws() <= 8 ? 2 : 1;
+    const int usual_samples = media ? 2 : 1;
     light_samples_ =
         static_cast<std::uint32_t>(emitter_samples_ > 0 ? emitter_samples_ : usual_samples);
     first_roulette_ = rr_depth_ > 0 ? rr_depth_ : (media ? 1 : 5);
@@ -160,9 +161,8 @@ void VolumetricPathIntegrator::prepare(const Scene& scene) {
 }
 
 int VolumetricPathIntegrator::choose_block_size(const Scene& scene) const {
-    // Samplers of many draws make a path's own light good, and reuse dear.
-    const std::uint32_t draws = light_sampler_.draws();
-    if (max_depth_ <= 2 || draws == 0 || draws > 8) return 1;
+    // Many light samples make a path's own light good, and reuse dear.
+    if (max_depth_ <= 2 || scene.lights().empty() || emitter_samples_ > 8) return 1;
     if (reuse_ > 0 || !scene.has_media()) return std::max(reuse_, 1);
     const PathNoiseMeter meter(scene);
     const auto trace_all = [&](std::span<CameraSample> samples, std::span<ReusablePath> kept,
@@ -180,7 +180,7 @@ void VolumetricPathIntegrator::draw_numbers(Path& path) const {
     SampleStream& stream = path.sample.stream;
     const bool has_media = path.scene.has_media();
     stream.jump_to(path.dimension);
-    path.dimension += bsdf_dimensions + path.light_samples * light_dimensions(light_sampler_);
+    path.dimension += bsdf_dimensions + path.light_samples * light_dimensions;
     path.u_direction = stream.next_2d();
     path.u_lobe_and_roulette = stream.next_2d();
     if (!has_media) return;
@@ -193,9 +193,8 @@ void VolumetricPathIntegrator::draw_numbers(Path& path) const {
 /// Adds what is emitted where the ray ends.
 void VolumetricPathIntegrator::add_found_light(Path& path) const {
     if (path.depth == 0 && hide_emitters_) return;
-    const Color found =
-        path.hit ? found_emission(path.scene, light_sampler_, path.before, *path.hit, -path.ray.d)
-                 : found_environment(path.scene, light_sampler_, path.before, path.ray.d);
+    const Color found = path.hit ? found_emission(path.scene, path.before, *path.hit, -path.ray.d)
+                                 : found_environment(path.scene, path.before, path.ray.d);
     if (path.depth > 2) {
         path.add(found);
     } else {
@@ -215,7 +214,7 @@ void VolumetricPathIntegrator::add_line_scattering(Path& path, const MediumSegme
     const LitPoint point{.receiver = Receiver::in_medium(*way.medium, way.o, way.d, t),
                          .phase = way.medium->phase(),
                          .wo = -way.d};
-    path.add_seen(throughput * sample_lights(path.scene, light_sampler_, point,
+    path.add_seen(throughput * sample_lights(path.scene, light_sampler_.at(point.receiver), point,
                                              {1, path.light_samples}, 1, rng,
                                              [&] { return rng.next_float2(); }));
 }
@@ -228,7 +227,7 @@ bool VolumetricPathIntegrator::cross_medium(Path& path) const {
     if (path.shares_second() && !path.medium->homogeneous()) path.kept = nullptr;
     std::optional<LineScattering> line;
     const bool samples_line =
-        may_scatter && path.medium->homogeneous() && light_sampler_.draws() > 0;
+        may_scatter && path.medium->homogeneous() && !path.scene.lights().empty();
     if (samples_line && !path.shares_second()) {
         line.emplace(way, path.beta);
         if (line->scatters()) {
@@ -307,7 +306,9 @@ void VolumetricPathIntegrator::keep_vertex(Path& path, const Where&... where) {
 void VolumetricPathIntegrator::keep_light(const Path& path, LightEstimate light, Color arriving) {
     if (is_black(arriving)) return;
     light.sample.radiance *= arriving;
-    light.density *= static_cast<float>(path.light_samples);
+    const auto count = static_cast<float>(path.light_samples);
+    light.density *= count;
+    light.weight /= count;
     path.kept->lights.emplace_back(light, path.kept->second.cosine(light.wi_local));
 }
 
@@ -341,9 +342,10 @@ void VolumetricPathIntegrator::add_direct_light(Path& path) const {
 template <typename Where>
 void VolumetricPathIntegrator::add_direct_light(Path& path, const Where& vertex,
                                                 float weight) const {
+    if (vertex.samples_lights()) path.lights = light_sampler_.at(vertex.lit_from());
     const auto sample_each = [&](auto&& visit) {
         visit_light_samples(
-            path.scene, light_sampler_, vertex, {path.light_samples, path.light_samples}, 1,
+            path.scene, path.lights, vertex, {path.light_samples, path.light_samples}, 1,
             path.shares_second(), path.rng, [&] { return path.sample.stream.next_2d(); }, visit);
     };
     if (path.shares_second()) {
@@ -372,6 +374,7 @@ bool VolumetricPathIntegrator::scatter_at_surface(Path& path) const {
     path.beta *= sample.weight;
     path.eta2 *= sqr(sample.eta);
     path.before = {.receiver = path.here,
+                   .lights = path.lights,
                    .pdf = sample.pdf,
                    .light_samples = static_cast<float>(path.light_samples),
                    .specular = sample.specular()};
@@ -388,6 +391,7 @@ bool VolumetricPathIntegrator::scatter_in_medium(Path& path, const LitPoint& poi
     if (!(sample.weight > 0)) return false;
     path.beta *= sample.weight;
     path.before = {.receiver = point.receiver,
+                   .lights = path.lights,
                    .pdf = sample.pdf,
                    .light_samples = static_cast<float>(path.light_samples),
                    .specular = false};

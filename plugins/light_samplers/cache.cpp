@@ -19,39 +19,20 @@
 /// of a point up to half a cell beside x, chosen by a hash of x, so that borders of cells do not
 /// show.
 #include "core/interfaces/light_sampler.h"
-#include "plugins/light_samplers/cell_points.h"
-#include "plugins/light_samplers/fine_bits.h"
-#include "plugins/light_samplers/light_cells.h"
-#include "plugins/light_samplers/pilot_paths.h"
-
-#include <atomic>
+#include "plugins/light_samplers/learning/pilot_paths.h"
+#include "plugins/light_samplers/memory/cell_points.h"
+#include "plugins/light_samplers/memory/jitter.h"
+#include "plugins/light_samplers/memory/light_cells.h"
 
 namespace lucerna {
 
 namespace {
 
-constexpr std::size_t most_lights = 256;
 constexpr std::size_t least_points = 3;  ///< fewer are not worth a cell
 /// No more lights than these need no cells: all are weighed at each point.
 constexpr std::size_t few_enough = LightLanes::width;
 
 constexpr float least_infinite_rays = 64;  ///< of a cell, to lights at infinity
-
-/// How draws are shared out at a point, as a thread last found it.
-struct MixtureWeights {
-    std::uint64_t owner = 0;  ///< the sampler
-    Receiver at;
-    const LightCell* cell = nullptr;  ///< null: no list
-    float infinite = 0;
-    float list = 0;  ///< for each unit of weight
-    float tree = 1;
-    alignas(32) float weights[most_lights];  ///< of the lanes of the cell
-};
-
-MixtureWeights& thread_weights() {
-    thread_local MixtureWeights shares;
-    return shares;
-}
 
 /// A draw: the light that it chose, or the walk down the tree that is left to do.
 struct Draw {
@@ -66,13 +47,51 @@ public:
     explicit CacheLightSampler(const Params& params);
 
     void prepare(const Scene& scene) override;
-    std::uint32_t draws() const override { return lights_.count() > 0 ? draws_ : 0; }
-    std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
-                                      float u) const override;
-    void sample_many(std::uint32_t draw, std::span<LightQuery> queries) const;
-    float pmf(const Receiver& at, std::uint32_t light) const override;
+
+    /// The shares of the lists and of the tree at a point.
+    class Distribution {
+    public:
+        Distribution(const CacheLightSampler& sampler, const Receiver& receiver,
+                     const LightCell* cell);
+
+        std::optional<LightChoice> sample(double u) const {
+            Draw one = begin(u);
+            while (one.walk && sampler_->lights_.tree.step(*one.walk)) {
+            }
+            return end(one);
+        }
+        float pmf(std::uint32_t light) const;
+
+        /// `sample` is the first, the walk, and the last.
+        Draw begin(double u) const;
+        std::optional<LightChoice> end(const Draw& draw) const;
+
+    private:
+        Draw begin_in_lists(double place) const;
+        /// Whether the cell has learnt what lights at infinity bring.
+        bool learnt_infinite() const { return cell_ && cell_->infinite.size() > 0; }
+        float infinite_pmf(std::uint32_t i) const {
+            if (learnt_infinite()) return list_ * cell_->infinite.weight_of(i);
+            return infinite_ * static_cast<float>(sampler_->lights_.infinite_power.pmf(i));
+        }
+
+        const CacheLightSampler* sampler_;
+        const LightCell* cell_ = nullptr;  ///< null: no list
+        ReceiverRegion at_;
+        float infinite_;  ///< share of lights at infinity
+        float list_ = 0;  ///< for each unit of weight
+        float tree_;      ///< share of the tree
+        WeightsAt weights_;
+    };
+    Distribution at(const Receiver& receiver) const {
+        return {*this, receiver, find_cell(receiver)};
+    }
+    void at_many(std::span<const Receiver* const> receivers,
+                 std::span<LightDistribution* const> out) const;
+    void sample_many(std::span<LightDraw> draws) const;
+
     std::size_t bytes() const override {
-        std::size_t sum = lights_.tree.bytes() + lights_.every.bytes() + grid_.bytes();
+        std::size_t sum = lights_.tree.bytes() + grid_.bytes();
         for (const LightCell& cell : cells_) {
             sum += cell.bytes();
         }
@@ -82,32 +101,15 @@ public:
 private:
     void make_cells(const Scene& scene);
     const LightCell* find_cell(const Receiver& at) const;
-    const MixtureWeights& shares_at(const Receiver& at) const;
-    const MixtureWeights& share_out(const Receiver& at, const LightCell* cell) const;
-    const MixtureWeights& share_everywhere(MixtureWeights& shares) const;
-    Draw begin(const Receiver& at, const MixtureWeights& shares, std::uint32_t draw, float u) const;
-    Draw begin_in_lists(const MixtureWeights& shares, double place) const;
-    std::optional<LightChoice> end(const Draw& draw) const;
-    /// Whether the cell has learnt what lights at infinity bring.
-    static bool learnt_infinite(const MixtureWeights& shares) {
-        return shares.cell && shares.cell->infinite.size() > 0;
-    }
-    float infinite_pmf(const MixtureWeights& shares, std::uint32_t i) const {
-        if (learnt_infinite(shares)) return shares.list * shares.cell->infinite.weight_of(i);
-        return shares.infinite * static_cast<float>(lights_.infinite_power.pmf(i));
-    }
 
-    std::uint32_t draws_;
     CellOptions options_;
     PilotPaths pilots_;
     float cell_size_;
     std::size_t most_cells_;
-    std::size_t few_;  ///< lights, of which cells remember all
     float jitter_;
 
-    std::uint64_t id_ = 0;
     SceneLights lights_;
-    std::optional<LightChoice> only_;  ///< in a scene that has one light
+    std::optional<std::uint32_t> only_;  ///< in a scene that has one light
     /// In a scene with few lights, all of them.
     std::optional<LightCell> everywhere_;
     CellGrid grid_;
@@ -119,19 +121,13 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
         return static_cast<std::uint32_t>(
             params.int32(name, value, {.min = 1, .max = static_cast<double>(most)}, doc));
     };
-    draws_ = count("light_samples", 1, 1024, "lights chosen at each point");
-    options_.lights = count("lights", 64, static_cast<int>(most_lights), "lights kept in a cell");
-    few_ = static_cast<std::size_t>(params.int32(
-        "remember_all", static_cast<int>(few_lights), {.min = 0, .max = 1 << 16},
-        "cells remember every light if there are no more than these, instead of clusters"));
+    options_.lights =
+        count("lights", 64, static_cast<int>(WeightsAt::most_lights), "lights kept in a cell");
     options_.coverage =
         params.real("coverage", 0.9, unit_interval,
                     "of what the candidates bring, by the lights that are weighed at points");
-    options_.candidates =
-        count("candidates", 512, 1 << 16,
-              "lights of which a cell learns the visibility, if it remembers all lights");
-    options_.clusters = count("clusters", 1536, 1 << 16,
-                              "of lights, and lights, that a cell remembers if it does not");
+    options_.clusters =
+        count("clusters", 1024, 1 << 16, "of lights, and lights, that a cell remembers");
     options_.rays_per_candidate =
         params.real("rays_per_candidate", 1, {.min = 0, .max = 1024},
                     "shadow rays that a cell learns from, for each of those");
@@ -154,21 +150,16 @@ CacheLightSampler::CacheLightSampler(const Params& params) {
 }
 
 void CacheLightSampler::prepare(const Scene& scene) {
-    static std::atomic<std::uint64_t> count{0};
-    id_ = ++count;
-    lights_ = SceneLights(scene, std::max(few_, few_enough));
-    only_.reset();
-    if (const auto light = lights_.only_light()) {
-        only_ = LightChoice{*light, static_cast<float>(draws_)};
-    }
+    lights_ = SceneLights(scene);
+    only_ = lights_.only_light();
     cells_.clear();
     grid_ = {};
     everywhere_.reset();
     const bool looks = scene.integrator().light_bounces() >= 0;
     if (!looks || (lights_.finite == 0 && lights_.infinite.size() <= few_enough)) return;
-    if (lights_.every.blocks() == 1 && lights_.infinite.size() <= few_enough) {
+    if (lights_.finite <= few_enough && lights_.infinite.size() <= few_enough) {
         everywhere_.emplace();
-        everywhere_->near = lights_.every;
+        everywhere_->near = WeighedLights(lights_.tree);
         everywhere_->tail = 0;
     } else {
         make_cells(scene);
@@ -201,17 +192,11 @@ void CacheLightSampler::make_cells(const Scene& scene) {
         });
     };
     std::vector<Candidates> known(cells_.size()), infinite(cells_.size());
-    std::vector<FarLights> others(cells_.size());
-    const bool knows_all = lights_.finite <= few_ && lights_.every.blocks() > 0;
-    const std::size_t count = knows_all ? options_.candidates : options_.clusters;
-    const auto rays =
-        static_cast<std::size_t>(static_cast<float>(count) * options_.rays_per_candidate);
     const auto infinite_rays = static_cast<std::size_t>(
         std::max(least_infinite_rays,
                  static_cast<float>(lights_.infinite.size()) * options_.rays_per_candidate));
     for_each_cell([&](std::size_t i, LightStudy& study) {
-        known[i] = study.cut(count, rays);
-        if (knows_all) others[i] = unoccluded_weights(study, lights_);
+        known[i] = study.cut(options_.clusters, options_.rays_per_candidate);
         infinite[i] = study.infinite(infinite_rays);
         std::sort(known[i].all.begin(), known[i].all.end(),
                   [](const Candidate& a, const Candidate& b) { return a.precedes(b); });
@@ -225,8 +210,7 @@ void CacheLightSampler::make_cells(const Scene& scene) {
     };
     workers.run(static_cast<std::int64_t>(cells_.size()), [&](std::int64_t index) {
         const auto i = static_cast<std::size_t>(index);
-        cells_[i] =
-            CellBuilder(lights_, options_).build(joined(known, i), joined(infinite, i), others[i]);
+        cells_[i] = CellBuilder(lights_, options_).build(joined(known, i), joined(infinite, i));
     });
 }
 
@@ -242,168 +226,128 @@ const LightCell* CacheLightSampler::find_cell(const Receiver& at) const {
     return cell == CellGrid::none ? nullptr : &cells_[cell];
 }
 
-const MixtureWeights& CacheLightSampler::shares_at(const Receiver& at) const {
-    const MixtureWeights& last = thread_weights();
-    if (last.owner == id_ && is_same_place(last.at, at)) return last;
-    return share_out(at, find_cell(at));
-}
-
-const MixtureWeights& CacheLightSampler::share_out(const Receiver& at,
-                                                   const LightCell* cell) const {
-    MixtureWeights& shares = thread_weights();
-    shares.owner = id_;
-    shares.at = at;
-    shares.cell = nullptr;
-    shares.infinite = lights_.infinite_share();
-    shares.tree = 1 - shares.infinite;
-    if (!cell) return shares;
-    cell->near.weigh(ReceiverRegion(at), shares.weights);
-    if (everywhere_) return share_everywhere(shares);
-    const float total = cell->infinite.total() + cell->far.total() + cell->clusters.total() +
-                        cell->near.total(shares.weights);
-    if (!(total > 0)) return shares;
-    shares.cell = cell;
-    shares.tree = cell->tail;
-    shares.list = (1 - cell->tail) / total;
-    shares.infinite = cell->infinite.total() * shares.list;
-    return shares;
-}
-
-/// Between the lights at infinity and all others, which have been weighed.
-const MixtureWeights& CacheLightSampler::share_everywhere(MixtureWeights& shares) const {
-    const float total = everywhere_->near.total(shares.weights);
-    if (total > 0) {
-        shares.cell = &*everywhere_;
-        shares.list = (1 - shares.infinite) / total;
-    } else {
-        shares.infinite = lights_.infinite.empty() ? 0.0f : 1.0f;
+CacheLightSampler::Distribution::Distribution(const CacheLightSampler& sampler,
+                                              const Receiver& receiver, const LightCell* cell)
+    : sampler_(&sampler),
+      at_(receiver),
+      infinite_(sampler.lights_.infinite_share()),
+      tree_(1 - infinite_) {
+    if (!cell || sampler.only_) return;
+    weights_ = WeightsAt(cell->near, at_);
+    const float total =
+        cell->infinite.total() + cell->far.total() + cell->clusters.total() + weights_.total();
+    if (sampler.everywhere_) {  // lights at infinity, and all others, which have been weighed
+        tree_ = 0;
+        if (!(total > 0)) infinite_ = sampler.lights_.infinite.empty() ? 0.0f : 1.0f;
     }
-    shares.tree = 0;
-    return shares;
+    if (!(total > 0)) return;
+    cell_ = cell;
+    if (sampler.everywhere_) {
+        list_ = (1 - infinite_) / total;
+        return;
+    }
+    tree_ = cell->tail;
+    list_ = (1 - cell->tail) / total;
+    infinite_ = cell->infinite.total() * list_;
 }
 
 /// The draw at a place in [0, total weight of the lists).
-Draw CacheLightSampler::begin_in_lists(const MixtureWeights& shares, double place) const {
-    const LightCell& cell = *shares.cell;
-    const float scale = shares.list * static_cast<float>(draws_);
-    const auto far = static_cast<double>(cell.far.total());
-    const auto clusters = static_cast<double>(cell.clusters.total());
-    if (place >= far + clusters) {
-        const std::size_t lane = cell.near.draw(shares.weights, place - (far + clusters));
-        if (lane < cell.near.lights().size()) {
-            return {.light = LightChoice{cell.near.lights()[lane], scale * shares.weights[lane]}};
-        }
+Draw CacheLightSampler::Distribution::begin_in_lists(double place) const {
+    const auto far = static_cast<double>(cell_->far.total());
+    const auto clusters = static_cast<double>(cell_->clusters.total());
+    if (place >= far + clusters && weights_.total() > 0) {
+        const WeightsAt::Choice near = weights_.draw(at_, place - (far + clusters));
+        return {.light = LightChoice{near.light, list_ * near.weight}};
     }
-    if (place >= far && cell.clusters.size() > 0) {
-        const FarLights::Choice cluster = cell.clusters.draw(place - far);
-        return {.walk = LightTree8::Walk(ReceiverRegion(shares.at), cluster.rest, cluster.light),
-                .pmf = scale * cluster.weight};
+    if (place >= far && cell_->clusters.size() > 0) {
+        const WeightTable::Choice cluster = cell_->clusters.draw(place - far);
+        return {.walk = LightTree8::Walk(at_, cluster.rest, cluster.light),
+                .pmf = list_ * cluster.weight};
     }
-    if (cell.far.size() == 0) return {};
-    const FarLights::Choice far_light = cell.far.draw(place);
-    return {.light = LightChoice{far_light.light, scale * far_light.weight}};
+    if (cell_->far.size() == 0) return {};
+    const WeightTable::Choice far_light = cell_->far.draw(place);
+    return {.light = LightChoice{far_light.light, list_ * far_light.weight}};
 }
 
-Draw CacheLightSampler::begin(const Receiver& at, const MixtureWeights& shares, std::uint32_t draw,
-                              float u) const {
-    const auto scale = static_cast<float>(draws_);
-    double place = fine_number(at, draw, draws_, u);
-    const auto infinite = static_cast<double>(shares.infinite);
-    if (place < infinite) {
-        const double rest = std::min(place / infinite, 1 - 0x1p-53);
+Draw CacheLightSampler::Distribution::begin(double u) const {
+    const SceneLights& lights = sampler_->lights_;
+    if (sampler_->only_) return {.light = LightChoice{*sampler_->only_, 1}};
+    const auto infinite = static_cast<double>(infinite_);
+    if (u < infinite) {
+        const double rest = std::min(u / infinite, 1 - 0x1p-53);
         const std::uint32_t i =
-            learnt_infinite(shares)
-                ? shares.cell->infinite.draw(rest * double{shares.cell->infinite.total()}).light
-                : lights_.infinite_power.sample(rest);
-        return {.light = LightChoice{lights_.infinite[i], scale * infinite_pmf(shares, i)}};
+            learnt_infinite() ? cell_->infinite.draw(rest * double{cell_->infinite.total()}).light
+                              : lights.infinite_power.sample(rest);
+        return {.light = LightChoice{lights.infinite[i], infinite_pmf(i)}};
     }
-    const auto tree = static_cast<double>(shares.tree);
-    if (shares.cell && place < 1 - tree) {
-        return begin_in_lists(shares, (place - infinite) / static_cast<double>(shares.list));
+    const auto tree = static_cast<double>(tree_);
+    if (cell_ && u < 1 - tree) {
+        return begin_in_lists((u - infinite) / static_cast<double>(list_));
     }
-    if (lights_.tree.empty() || !(tree > 0)) return {};
-    const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
-    return {.walk = LightTree8::Walk(ReceiverRegion(at), rest),
-            .pmf = scale * shares.tree,
-            .others = shares.cell};
+    if (lights.tree.empty() || !(tree > 0)) return {};
+    const double rest = std::clamp((u - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
+    return {.walk = LightTree8::Walk(at_, rest), .pmf = tree_, .others = cell_};
 }
 
-std::optional<LightChoice> CacheLightSampler::end(const Draw& draw) const {
+std::optional<LightChoice> CacheLightSampler::Distribution::end(const Draw& draw) const {
     if (!draw.walk) return draw.light;
     const auto choice = draw.walk->choice();
-    if (!choice || (draw.others && draw.others->holds(choice->light, lights_.tree))) return {};
+    if (!choice || (draw.others && draw.others->holds(choice->light, sampler_->lights_.tree))) {
+        return {};
+    }
     return LightChoice{choice->light, draw.pmf * choice->pmf};
 }
 
-std::optional<LightChoice> CacheLightSampler::sample(const Receiver& at, std::uint32_t draw,
-                                                     float u) const {
-    if (only_) return only_;
-    Draw one = begin(at, shares_at(at), draw, u);
-    while (one.walk && lights_.tree.step(*one.walk)) {
+float CacheLightSampler::Distribution::pmf(std::uint32_t light) const {
+    const SceneLights& lights = sampler_->lights_;
+    if (sampler_->only_) return light == *sampler_->only_ ? 1.0f : 0.0f;
+    if (const auto place = lights.place_at_infinity(light)) return infinite_pmf(*place);
+    if (cell_ && lights.tree.holds(light)) {
+        if (const auto near = weights_.weight_of(at_, light)) return list_ * *near;
+        const float far = cell_->far.weight_of(light);
+        if (far > 0) return list_ * far;
+        // This is zero, too, for a light that the cluster does not hold.
+        if (const auto cluster = cell_->clusters.last_up_to(lights.tree.node_of(light))) {
+            const float pmf = lights.tree.pmf(at_, light, cluster->light);
+            if (pmf > 0) return list_ * cluster->weight * pmf;
+        }
     }
-    return end(one);
+    return tree_ > 0 ? tree_ * lights.tree.pmf(at_, light) : 0.0f;
 }
 
-void CacheLightSampler::sample_many(std::uint32_t draw, std::span<LightQuery> queries) const {
-    if (only_) {
-        for (LightQuery& query : queries) query.choice = only_;
-        return;
-    }
-    if (everywhere_) {
-        for (LightQuery& query : queries) {
-            query.choice =
-                begin(*query.at, share_out(*query.at, &*everywhere_), draw, query.u).light;
-        }
-        return;
-    }
-    constexpr std::size_t most = 16;  // whose nodes stay in the first cache
-    for (; queries.size() > most; queries = queries.subspan(most)) {
-        sample_many(draw, queries.first(most));
-    }
+void CacheLightSampler::at_many(std::span<const Receiver* const> receivers,
+                                std::span<LightDistribution* const> out) const {
+    constexpr std::size_t most = 16;  // whose cells stay in the first cache
     const LightCell* cells[most];
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-        cells[i] = find_cell(*queries[i].at);
-        if (cells[i]) cells[i]->prefetch(LightCell::Prefetch::addresses);
+    for (std::size_t begin = 0; begin < receivers.size(); begin += most) {
+        const std::size_t count = std::min(most, receivers.size() - begin);
+        for (std::size_t i = 0; i < count; ++i) {
+            cells[i] = find_cell(*receivers[begin + i]);
+            if (cells[i] && !everywhere_) cells[i]->prefetch(LightCell::Prefetch::addresses);
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            if (cells[i] && !everywhere_) cells[i]->prefetch(LightCell::Prefetch::data);
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            out[begin + i]->set(Distribution(*this, *receivers[begin + i], cells[i]));
+        }
     }
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-        if (cells[i]) cells[i]->prefetch(LightCell::Prefetch::data);
-    }
-    Draw draws[most];
+}
+
+void CacheLightSampler::sample_many(std::span<LightDraw> draws) const {
+    constexpr std::size_t most = 16;  // whose nodes stay in the first cache
+    for (; draws.size() > most; draws = draws.subspan(most)) sample_many(draws.first(most));
+    Draw begun[most];
     LightTree8::Walk* walks[most];
     std::size_t count = 0;
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-        const Receiver& at = *queries[i].at;
-        draws[i] = begin(at, share_out(at, cells[i]), draw, queries[i].u);
-        if (draws[i].walk) walks[count++] = &*draws[i].walk;
+    for (std::size_t i = 0; i < draws.size(); ++i) {
+        begun[i] = draws[i].lights->get<Distribution>().begin(draws[i].u);
+        if (begun[i].walk) walks[count++] = &*begun[i].walk;
     }
     lights_.tree.finish(std::span(walks, count));
-    for (std::size_t i = 0; i < queries.size(); ++i) queries[i].choice = end(draws[i]);
-}
-
-float CacheLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
-    if (only_) return light == only_->light ? only_->pmf : 0.0f;
-    const MixtureWeights& shares = shares_at(at);
-    const auto scale = static_cast<float>(draws_);
-    const auto found = std::lower_bound(lights_.infinite.begin(), lights_.infinite.end(), light);
-    if (found != lights_.infinite.end() && *found == light) {
-        const auto i = static_cast<std::uint32_t>(found - lights_.infinite.begin());
-        return scale * infinite_pmf(shares, i);
+    for (std::size_t i = 0; i < draws.size(); ++i) {
+        draws[i].choice = draws[i].lights->get<Distribution>().end(begun[i]);
     }
-    if (shares.cell && lights_.tree.holds(light)) {
-        const std::size_t lane = shares.cell->near.find(light);
-        if (lane < shares.cell->near.lights().size()) {
-            return shares.list * scale * shares.weights[lane];
-        }
-        const float far = shares.cell->far.weight_of(light);
-        if (far > 0) return shares.list * scale * far;
-        // This is zero, too, for a light that the cluster does not hold.
-        if (const auto cluster = shares.cell->clusters.last_up_to(lights_.tree.node_of(light))) {
-            const float pmf = lights_.tree.pmf(ReceiverRegion(at), light, cluster->light);
-            if (pmf > 0) return shares.list * scale * cluster->weight * pmf;
-        }
-    }
-    return shares.tree > 0 ? scale * shares.tree * lights_.tree.pmf(ReceiverRegion(at), light)
-                           : 0.0f;
 }
 
 }  // namespace

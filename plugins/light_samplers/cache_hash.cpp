@@ -6,6 +6,7 @@
 /// borders of the cubes as squares of different noise. With it, x is moved by up to half a cube
 /// along the surface, as a hash of x says, before it looks.
 #include "plugins/light_samplers/cache_point_sampler.h"
+#include "plugins/light_samplers/memory/jitter.h"
 
 #include <unordered_map>
 

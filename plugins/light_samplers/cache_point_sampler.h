@@ -19,10 +19,8 @@
 #pragma once
 
 #include "core/interfaces/light_sampler.h"
-#include "plugins/light_samplers/cache_points.h"
-#include "plugins/light_samplers/fine_bits.h"
-#include "plugins/light_samplers/point_kdtree.h"
-#include "plugins/light_samplers/point_memory.h"
+#include "plugins/light_samplers/memory/cache_points.h"
+#include "plugins/light_samplers/memory/point_kdtree.h"
 
 namespace lucerna {
 
@@ -32,52 +30,49 @@ public:
     explicit CachePointSampler(const Params& params);
 
     void prepare(const Scene& scene) override;
-    std::uint32_t draws() const override { return lights_.count() > 0 ? draws_ : 0; }
-    std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
-                                      float u) const override;
-    float pmf(const Receiver& at, std::uint32_t light) const override;
+
+    /// The shares of the lists and of the tree at a point.
+    class Distribution {
+    public:
+        Distribution(const CachePointSampler& sampler, const Receiver& receiver);
+
+        std::optional<LightChoice> sample(double u) const;
+        float pmf(std::uint32_t light) const;
+
+    private:
+        float weight_in_lists(std::uint32_t light) const;
+        float pmf_in_shares(std::uint32_t light) const;
+        std::optional<std::uint32_t> draw_from_lists(double place) const;
+        float infinite_pmf(std::uint32_t i) const {
+            return infinite_ * static_cast<float>(sampler_->lights_.infinite_power.pmf(i));
+        }
+
+        const CachePointSampler* sampler_;
+        const CachePoint* point_ = nullptr;  ///< null: no list
+        ReceiverRegion at_;
+        /// For each list, what a unit of its weight is worth.
+        std::array<float, CachePoint::axes + 1> facing_;
+        float infinite_;   ///< share of lights at infinity
+        float tree_;       ///< share of the tree
+        float scale_ = 0;  ///< probability of a unit of weight
+        WeightsAt near_;
+    };
+    Distribution at(const Receiver& receiver) const { return {*this, receiver}; }
+
     /// Without the lookup.
     std::size_t bytes() const override {
-        std::size_t sum = lights_.tree.bytes() + lights_.every.bytes();
+        std::size_t sum = lights_.tree.bytes();
         for (const CachePoint& point : points_) {
             sum += sizeof(point) + point.near.bytes();
-            for (const FarLights& list : point.lists) sum += list.bytes();
+            for (const WeightTable& list : point.lists) sum += list.bytes();
         }
         return sum;
     }
 
 private:
-    /// How draws are shared out at a point.
-    struct MixtureWeights {
-        const CachePoint* point = nullptr;  ///< null: no list
-        /// For each list, what a unit of its weight is worth.
-        std::array<float, CachePoint::axes + 1> facing;
-        float infinite = 0;
-        float near = 0;   ///< weight of the near lights
-        float scale = 0;  ///< probability of a unit of weight
-        float tree = 1;
-        alignas(32) float weights[2 * CachePoint::most_near];
-    };
-
-    const MixtureWeights& shares_at(const Receiver& at) const {
-        return memory_.at(at, [this](const Receiver& place, MixtureWeights& shares) {
-            share_out(place, shares);
-        });
-    }
-    void share_out(const Receiver& at, MixtureWeights& shares) const;
-    float weight_in_lists(const MixtureWeights& shares, std::uint32_t light) const;
-    float pmf_in_shares(const MixtureWeights& shares, const Receiver& at,
-                        std::uint32_t light) const;
-    std::optional<std::uint32_t> draw_from_lists(const MixtureWeights& shares, double place) const;
-    float infinite_pmf(std::uint32_t i) const {
-        return static_cast<float>(lights_.infinite_power.pmf(i));
-    }
-
-    std::uint32_t draws_;
     CachePointOptions options_;
     Lookup lookup_;
 
-    PointMemory<MixtureWeights, 1> memory_;
     SceneLights lights_;
     std::vector<CachePoint> points_;
 };
@@ -88,7 +83,6 @@ CachePointSampler<Lookup>::CachePointSampler(const Params& params) : lookup_(par
         return static_cast<std::uint32_t>(
             params.int32(name, value, {.min = 1, .max = static_cast<double>(most)}, doc));
     };
-    draws_ = count("light_samples", 1, 1024, "lights chosen at each point");
     options_.placement = params.choice<PointPlacement>(
         "placement", PointPlacement::surfaces,
         {{"surfaces", PointPlacement::surfaces}, {"boxes", PointPlacement::boxes}},
@@ -119,8 +113,7 @@ CachePointSampler<Lookup>::CachePointSampler(const Params& params) : lookup_(par
 
 template <typename Lookup>
 void CachePointSampler<Lookup>::prepare(const Scene& scene) {
-    memory_.clear();
-    lights_ = SceneLights(scene, few_lights);
+    lights_ = SceneLights(scene);
     points_.clear();
     if (lights_.finite == 0 || lights_.count() == 1) return;  // nothing to choose from
     const Workers workers(scene.threads());
@@ -142,67 +135,61 @@ void CachePointSampler<Lookup>::prepare(const Scene& scene) {
 }
 
 template <typename Lookup>
-void CachePointSampler<Lookup>::share_out(const Receiver& at, MixtureWeights& shares) const {
-    shares.point = nullptr;
-    shares.infinite = lights_.infinite_share();
-    shares.tree = options_.has_tail ? 1 - shares.infinite : 0;
-    if (points_.empty()) return;
-    const CachePoint& point = points_[lookup_.find(at)];
-    const ReceiverRegion lit(at);
-    point.near.weigh(lit, shares.weights);
-    shares.near = point.near.total(shares.weights);
-    float total = shares.near + point.infinite;
+CachePointSampler<Lookup>::Distribution::Distribution(const CachePointSampler& sampler,
+                                                      const Receiver& receiver)
+    : sampler_(&sampler),
+      at_(receiver),
+      infinite_(sampler.lights_.infinite_share()),
+      tree_(sampler.options_.has_tail ? 1 - infinite_ : 0) {
+    if (sampler.points_.empty()) return;
+    const CachePoint& point = sampler.points_[sampler.lookup_.find(receiver)];
+    near_ = WeightsAt(point.near, at_);
+    float total = near_.total() + point.infinite;
     for (std::size_t k = 0; k <= CachePoint::axes; ++k) {
         const bool all_around = k == CachePoint::all_around;
         const float along =
-            all_around ? 1 : lit.n[static_cast<int>(k / 2)] * (k % 2 == 0 ? 1.0f : -1.0f);
-        const bool used = all_around == (lit.two_sided > 0);
-        shares.facing[k] = used ? std::max(along, 0.0f) : 0.0f;
-        total += shares.facing[k] * point.lists[k].total();
+            all_around ? 1 : at_.n[static_cast<int>(k / 2)] * (k % 2 == 0 ? 1.0f : -1.0f);
+        const bool used = all_around == (at_.two_sided > 0);
+        facing_[k] = used ? std::max(along, 0.0f) : 0.0f;
+        total += facing_[k] * point.lists[k].total();
     }
     if (!(total > 0)) return;
-    shares.point = &point;
-    shares.tree = point.tail;
-    shares.scale = (1 - point.tail) / total;
-    shares.infinite = point.infinite * shares.scale;
+    point_ = &point;
+    tree_ = point.tail;
+    scale_ = (1 - point.tail) / total;
+    infinite_ = point.infinite * scale_;
 }
 
 template <typename Lookup>
-float CachePointSampler<Lookup>::weight_in_lists(const MixtureWeights& shares,
-                                                 std::uint32_t light) const {
-    const CachePoint& point = *shares.point;
-    const std::size_t lane = point.near.find(light);
-    float weight = lane < point.near.lights().size() ? shares.weights[lane] : 0.0f;
-    for (std::size_t k = 0; k < point.lists.size(); ++k) {
-        if (shares.facing[k] > 0) weight += shares.facing[k] * point.lists[k].weight_of(light);
+float CachePointSampler<Lookup>::Distribution::weight_in_lists(std::uint32_t light) const {
+    float weight = near_.weight_of(at_, light).value_or(0.0f);
+    for (std::size_t k = 0; k < point_->lists.size(); ++k) {
+        if (facing_[k] > 0) weight += facing_[k] * point_->lists[k].weight_of(light);
     }
     return weight;
 }
 
 /// Probability of a light that is somewhere, by lists and tree together.
 template <typename Lookup>
-float CachePointSampler<Lookup>::pmf_in_shares(const MixtureWeights& shares, const Receiver& at,
-                                               std::uint32_t light) const {
-    const float listed = shares.point ? shares.scale * weight_in_lists(shares, light) : 0.0f;
-    return shares.tree > 0 ? listed + shares.tree * lights_.tree.pmf(ReceiverRegion(at), light)
-                           : listed;
+float CachePointSampler<Lookup>::Distribution::pmf_in_shares(std::uint32_t light) const {
+    const float listed = point_ ? scale_ * weight_in_lists(light) : 0.0f;
+    return tree_ > 0 ? listed + tree_ * sampler_->lights_.tree.pmf(at_, light) : listed;
 }
 
 /// The light at a place in [0, total weight).
 template <typename Lookup>
-std::optional<std::uint32_t> CachePointSampler<Lookup>::draw_from_lists(
-    const MixtureWeights& shares, double place) const {
-    const CachePoint& point = *shares.point;
-    const auto near = static_cast<double>(shares.near);
-    if (place < near) return point.near.lights()[point.near.draw(shares.weights, place)];
+std::optional<std::uint32_t> CachePointSampler<Lookup>::Distribution::draw_from_lists(
+    double place) const {
+    const auto near = static_cast<double>(near_.total());
+    if (place < near) return near_.draw(at_, place).light;
     place -= near;
-    const FarLights* last = nullptr;
+    const WeightTable* last = nullptr;
     double in_list = 0;
-    for (std::size_t k = 0; k < point.lists.size(); ++k) {
-        const auto facing = static_cast<double>(shares.facing[k]);
-        const double total = facing * static_cast<double>(point.lists[k].total());
+    for (std::size_t k = 0; k < point_->lists.size(); ++k) {
+        const auto facing = static_cast<double>(facing_[k]);
+        const double total = facing * static_cast<double>(point_->lists[k].total());
         if (!(total > 0)) continue;
-        last = &point.lists[k];
+        last = &point_->lists[k];
         in_list = place / facing;
         if (place < total) break;
         place -= total;
@@ -212,45 +199,33 @@ std::optional<std::uint32_t> CachePointSampler<Lookup>::draw_from_lists(
 }
 
 template <typename Lookup>
-std::optional<LightChoice> CachePointSampler<Lookup>::sample(const Receiver& at, std::uint32_t draw,
-                                                             float u) const {
-    if (const auto only = lights_.only_light()) {
-        return LightChoice{*only, static_cast<float>(draws_)};
+std::optional<LightChoice> CachePointSampler<Lookup>::Distribution::sample(double u) const {
+    const SceneLights& lights = sampler_->lights_;
+    if (const auto only = lights.only_light()) return LightChoice{*only, 1};
+    const auto infinite = static_cast<double>(infinite_);
+    if (u < infinite) {
+        const std::uint32_t i = lights.infinite_power.sample(std::min(u / infinite, 1 - 0x1p-53));
+        return LightChoice{lights.infinite[i], infinite_pmf(i)};
     }
-    const MixtureWeights& shares = shares_at(at);
-    const auto scale = static_cast<float>(draws_);
-    const double place = fine_number(at, draw, draws_, u);
-    const auto infinite = static_cast<double>(shares.infinite);
-    if (place < infinite) {
-        const std::uint32_t i =
-            lights_.infinite_power.sample(std::min(place / infinite, 1 - 0x1p-53));
-        return LightChoice{lights_.infinite[i], scale * (shares.infinite * infinite_pmf(i))};
-    }
-    const auto tree = static_cast<double>(shares.tree);
-    if (shares.point && place < 1 - tree) {
-        const auto light =
-            draw_from_lists(shares, (place - infinite) / static_cast<double>(shares.scale));
+    const auto tree = static_cast<double>(tree_);
+    if (point_ && u < 1 - tree) {
+        const auto light = draw_from_lists((u - infinite) / static_cast<double>(scale_));
         if (!light) return {};
-        return LightChoice{*light, scale * pmf_in_shares(shares, at, *light)};
+        return LightChoice{*light, pmf_in_shares(*light)};
     }
     if (!(tree > 0)) return {};
-    const double rest = std::clamp((place - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
-    const auto choice = lights_.tree.sample(ReceiverRegion(at), rest);
+    const double rest = std::clamp((u - (1 - tree)) / tree, 0.0, 1 - 0x1p-53);
+    const auto choice = lights.tree.sample(at_, rest);
     if (!choice) return {};
-    return LightChoice{choice->light, scale * pmf_in_shares(shares, at, choice->light)};
+    return LightChoice{choice->light, pmf_in_shares(choice->light)};
 }
 
 template <typename Lookup>
-float CachePointSampler<Lookup>::pmf(const Receiver& at, std::uint32_t light) const {
-    const auto scale = static_cast<float>(draws_);
-    if (const auto only = lights_.only_light()) return light == *only ? scale : 0.0f;
-    const MixtureWeights& shares = shares_at(at);
-    const auto found = std::lower_bound(lights_.infinite.begin(), lights_.infinite.end(), light);
-    if (found != lights_.infinite.end() && *found == light) {
-        const auto i = static_cast<std::uint32_t>(found - lights_.infinite.begin());
-        return scale * (shares.infinite * infinite_pmf(i));
-    }
-    return scale * pmf_in_shares(shares, at, light);
+float CachePointSampler<Lookup>::Distribution::pmf(std::uint32_t light) const {
+    const SceneLights& lights = sampler_->lights_;
+    if (const auto only = lights.only_light()) return light == *only ? 1.0f : 0.0f;
+    if (const auto place = lights.place_at_infinity(light)) return infinite_pmf(*place);
+    return pmf_in_shares(light);
 }
 
 }  // namespace lucerna

@@ -9,36 +9,39 @@
 /// paper learns from the rays of the render itself, and refines regions as it goes on; here rays
 /// are traced before, so that an image does not depend on the order of its samples. C is that of
 /// light_cut.h. Lights at infinity share n∞ / (n∞ + 1) of the draws, as in `bvh`.
-#include "plugins/light_samplers/cell_points.h"
-#include "plugins/light_samplers/light_groups.h"
-#include "plugins/light_samplers/pilot_paths.h"
-#include "plugins/light_samplers/point_memory.h"
-#include "plugins/light_samplers/region_study.h"
-
-#include <numeric>
+#include "plugins/light_samplers/learning/pilot_paths.h"
+#include "plugins/light_samplers/learning/region_study.h"
+#include "plugins/light_samplers/lights/light_groups.h"
+#include "plugins/light_samplers/memory/cell_points.h"
 
 namespace lucerna {
 
 namespace {
 
-/// Weights of the clusters at a point.
-struct ClusterWeights {
-    const LightRegion* region = nullptr;
-    std::vector<float> weights;
-    float total = 0;
-};
+constexpr std::size_t most_clusters = 64;
 
 class LearnedLightSampler final : public LightSampler {
 public:
     explicit LearnedLightSampler(const Params& params);
 
     void prepare(const Scene& scene) override;
-    std::uint32_t draws() const override {
-        return tree_.empty() && groups_.infinite() == 0 ? 0 : draws_;
-    }
-    std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
-                                      float u) const override;
-    float pmf(const Receiver& at, std::uint32_t light) const override;
+
+    struct Distribution {
+        std::optional<LightChoice> sample(double u) const;
+        float pmf(std::uint32_t light) const;
+        /// Probability of all lights below a cluster.
+        float share(std::size_t cluster) const {
+            return (1 - sampler->infinite_share_) * (weights[cluster] / total);
+        }
+
+        const LearnedLightSampler* sampler;
+        Receiver receiver;
+        const LightRegion* region;
+        float total;
+        float weights[most_clusters];  ///< of the clusters of the region
+    };
+    Distribution at(const Receiver& receiver) const;
+
     std::size_t bytes() const override {
         std::size_t sum = tree_.bytes() + grid_.bytes();
         for (const LightRegion& r : regions_) {
@@ -49,40 +52,26 @@ public:
     }
 
 private:
-    const ClusterWeights& weights(const Receiver& at) const;
-    /// Draws at each point that go to lights at infinity.
-    float infinite_share() const {
-        const auto n = static_cast<float>(groups_.infinite());
-        return n / (n + (tree_.empty() ? 0.0f : 1.0f));
-    }
-    float infinite_draws() const { return static_cast<float>(draws_) * infinite_share(); }
-    /// Expected draws below a cluster.
-    float scale_of(const ClusterWeights& shares, std::size_t cluster) const {
-        return static_cast<float>(draws_) * (1 - infinite_share()) *
-               (shares.weights[cluster] / shares.total);
-    }
     LightBVH::Children children(std::uint32_t node, const Receiver& at) const {
         return children_by_contribution(tree_, node, at);
     }
 
-    std::uint32_t draws_;
     std::size_t clusters_;
     int rays_;
     float cell_size_;
     PilotPaths pilots_;
     LightBVH tree_;
     LightGroups groups_;
+    float infinite_share_ = 0;
     CellGrid grid_;
     std::vector<LightRegion> regions_;
     LightRegion everywhere_;  ///< where nothing is learnt
-    PointMemory<ClusterWeights> memory_;
 };
 
 LearnedLightSampler::LearnedLightSampler(const Params& params) {
-    draws_ = static_cast<std::uint32_t>(
-        params.int32("light_samples", 1, {.min = 1, .max = 1024}, "lights chosen at each point"));
     clusters_ = static_cast<std::size_t>(
-        params.int32("clusters", 64, {.min = 1, .max = 4096}, "of lights that a region knows"));
+        params.int32("clusters", 64, {.min = 1, .max = static_cast<double>(most_clusters)},
+                     "of lights that a region knows"));
     rays_ = params.int32("rays_per_cluster", 4, {.min = 0, .max = 1024},
                          "shadow rays that a region learns from, for each of those");
     cell_size_ = params.real("cell_size", 1.0 / 32, {.min = 1e-4, .max = 100},
@@ -97,7 +86,7 @@ LearnedLightSampler::LearnedLightSampler(const Params& params) {
 void LearnedLightSampler::prepare(const Scene& scene) {
     groups_ = LightGroups(scene);
     tree_ = LightBVH(scene);
-    memory_.clear();
+    infinite_share_ = groups_.infinite_share(!tree_.empty());
     everywhere_ = {};
     if (!tree_.empty()) everywhere_ = {{0}, {1}};
     regions_.clear();
@@ -116,62 +105,53 @@ void LearnedLightSampler::prepare(const Scene& scene) {
     });
 }
 
-const ClusterWeights& LearnedLightSampler::weights(const Receiver& at) const {
-    return memory_.at(at, [&](const Receiver& place, ClusterWeights& result) {
-        const std::uint32_t found = grid_.find(grid_.key(place.p, place));
-        result.region = found == CellGrid::none ? &everywhere_ : &regions_[found];
-        result.weights.clear();
-        for (std::size_t i = 0; i < result.region->clusters.size(); ++i) {
-            result.weights.push_back(result.region->strengths[i] *
-                                     contribution(tree_, result.region->clusters[i], place));
-        }
-        result.total = std::accumulate(result.weights.begin(), result.weights.end(), 0.0f);
-    });
+LearnedLightSampler::Distribution LearnedLightSampler::at(const Receiver& receiver) const {
+    const std::uint32_t found = grid_.find(grid_.key(receiver.p, receiver));
+    Distribution result{
+        this, receiver, found == CellGrid::none ? &everywhere_ : &regions_[found], 0, {}};
+    const LightRegion& region = *result.region;
+    for (std::size_t i = 0; i < region.clusters.size(); ++i) {
+        result.weights[i] = region.strengths[i] * contribution(tree_, region.clusters[i], receiver);
+        result.total += result.weights[i];
+    }
+    return result;
 }
 
-std::optional<LightChoice> LearnedLightSampler::sample(const Receiver& at, std::uint32_t draw,
-                                                       float u) const {
-    double place = fine_number(at, draw, draws_, u);
-    const auto infinite = static_cast<double>(infinite_share());
-    if (place < infinite) {
-        const auto count = static_cast<double>(groups_.infinite());
-        return groups_.draw_infinite(place * (count / infinite), infinite_draws());
+std::optional<LightChoice> LearnedLightSampler::Distribution::sample(double u) const {
+    const auto infinite = static_cast<double>(sampler->infinite_share_);
+    if (u < infinite) {
+        return sampler->groups_.draw_infinite(u / infinite, sampler->infinite_share_);
     }
-    const ClusterWeights& shares = weights(at);
-    if (!(shares.total > 0)) return {};
-    place = (place - infinite) / (1 - infinite) * static_cast<double>(shares.total);
-    double before = 0;
-    std::size_t chosen = shares.weights.size();
-    for (std::size_t i = 0; i < shares.weights.size(); ++i) {
-        if (!(shares.weights[i] > 0)) continue;
-        if (chosen != shares.weights.size()) {
-            const double end = before + static_cast<double>(shares.weights[chosen]);
-            if (place < end) break;
-            before = end;
-        }
+    if (!(total > 0)) return {};
+    const double place = (u - infinite) / (1 - infinite) * static_cast<double>(total);
+    double start = 0, end = 0;
+    std::size_t chosen = 0;
+    for (std::size_t i = 0; i < region->clusters.size(); ++i) {
+        if (!(weights[i] > 0)) continue;
+        if (end > 0 && place < end) break;
         chosen = i;
+        start = end;
+        end += static_cast<double>(weights[i]);
     }
-    const double rest = (place - before) / static_cast<double>(shares.weights[chosen]);
-    return tree_.descend(shares.region->clusters[chosen], std::clamp(rest, 0.0, 1 - 0x1p-53),
-                         scale_of(shares, chosen),
-                         [&](std::uint32_t node) { return children(node, at); });
+    const double rest = (place - start) / static_cast<double>(weights[chosen]);
+    return sampler->tree_.descend(
+        region->clusters[chosen], std::clamp(rest, 0.0, 1 - 0x1p-53), share(chosen),
+        [&](std::uint32_t node) { return sampler->children(node, receiver); });
 }
 
-float LearnedLightSampler::pmf(const Receiver& at, std::uint32_t light) const {
-    if (groups_.at_infinity(light)) {
-        return groups_.infinite_pmf(light, infinite_draws());
+float LearnedLightSampler::Distribution::pmf(std::uint32_t light) const {
+    if (sampler->groups_.at_infinity(light)) {
+        return sampler->groups_.infinite_pmf(light, sampler->infinite_share_);
     }
-    if (!tree_.holds(light)) return 0;
-    const ClusterWeights& shares = weights(at);
-    if (!(shares.total > 0)) return 0;
-    const std::vector<std::uint32_t>& clusters = shares.region->clusters;
+    if (!(total > 0) || !sampler->tree_.holds(light)) return 0;
+    const std::vector<std::uint32_t>& clusters = region->clusters;
     const auto scale = [&](std::uint32_t node) {
         const auto found = std::lower_bound(clusters.begin(), clusters.end(), node);
         if (found == clusters.end() || *found != node) return 0.0f;
-        return scale_of(shares, static_cast<std::size_t>(found - clusters.begin()));
+        return share(static_cast<std::size_t>(found - clusters.begin()));
     };
-    return tree_.pmf_of_descent(light, scale,
-                                [&](std::uint32_t node) { return children(node, at); });
+    return sampler->tree_.pmf_of_descent(
+        light, scale, [&](std::uint32_t node) { return sampler->children(node, receiver); });
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include "core/interfaces/light_sampler.h"
 #include "core/math/distribution.h"
 #include "core/scene/scene.h"
-#include "plugins/light_samplers/fine_bits.h"
 
 namespace lucerna {
 
@@ -14,9 +13,7 @@ namespace {
 
 class PowerLightSampler final : public LightSampler {
 public:
-    explicit PowerLightSampler(const Params& params)
-        : draws_(static_cast<std::uint32_t>(params.int32(
-              "light_samples", 1, {.min = 1, .max = 1024}, "lights chosen at each point"))) {}
+    explicit PowerLightSampler(const Params&) {}
 
     void prepare(const Scene& scene) override {
         std::vector<double> power;
@@ -27,24 +24,24 @@ public:
             total += power.back();
         }
         if (!(total > 0)) std::fill(power.begin(), power.end(), 1.0);
-        distribution_ = DiscreteDistribution(power);
+        powers_ = DiscreteDistribution(power);
     }
 
-    std::uint32_t draws() const override { return distribution_.empty() ? 0 : draws_; }
+    /// The same everywhere.
+    struct Distribution {
+        std::optional<LightChoice> sample(double u) const {
+            if (powers->empty()) return {};
+            const std::uint32_t light = powers->sample(u);
+            return LightChoice{light, pmf(light)};
+        }
+        float pmf(std::uint32_t light) const { return static_cast<float>(powers->pmf(light)); }
 
-    std::optional<LightChoice> sample(const Receiver& at, std::uint32_t draw,
-                                      float u) const override {
-        const std::uint32_t light = distribution_.sample(fine_number(at, draw, draws_, u));
-        return LightChoice{light, pmf(at, light)};
-    }
-
-    float pmf(const Receiver&, std::uint32_t light) const override {
-        return static_cast<float>(draws_ * distribution_.pmf(light));
-    }
+        const DiscreteDistribution* powers;
+    };
+    Distribution at(const Receiver&) const { return {&powers_}; }
 
 private:
-    std::uint32_t draws_;
-    DiscreteDistribution distribution_;
+    DiscreteDistribution powers_;
 };
 
 }  // namespace

@@ -2,8 +2,9 @@
 /// uniform: every light with the same probability, P(l) = 1 / n. An environment map counts as one.
 ///
 /// The simplest sampler, best for one light or a few equal ones; its variance grows with the
-/// number of lights.
-#include "plugins/light_samplers/light_groups.h"
+/// number of lights. With as many draws at a point as there are lights, each is drawn once: the
+/// plain ray tracer that visits every light.
+#include "plugins/light_samplers/lights/light_groups.h"
 
 namespace lucerna {
 
@@ -11,34 +12,26 @@ namespace {
 
 class UniformLightSampler final : public LightSampler {
 public:
-    explicit UniformLightSampler(const Params& params)
-        : draws_(static_cast<std::uint32_t>(params.int32(
-              "light_samples", 1, {.min = 1, .max = 1024}, "lights chosen at each point"))) {}
+    explicit UniformLightSampler(const Params&) {}
 
     void prepare(const Scene& scene) override { groups_ = LightGroups(scene); }
 
-    std::uint32_t draws() const override { return groups_.size() > 0 ? draws_ : 0; }
+    /// The same everywhere.
+    struct Distribution {
+        std::optional<LightChoice> sample(double u) const {
+            if (groups->size() == 0) return {};
+            const auto count = static_cast<double>(groups->size());
+            const double group = std::min(std::floor(u * count), count - 1);
+            return groups->draw(static_cast<std::size_t>(group), u * count - group, share());
+        }
+        float pmf(std::uint32_t light) const { return share() * groups->pmf(light); }
+        float share() const { return 1 / static_cast<float>(groups->size()); }
 
-    std::optional<LightChoice> sample(const Receiver&, std::uint32_t draw, float u) const override {
-        // Stratified over the draws: together they cover [0, 1).
-        const auto count = static_cast<double>(groups_.size());
-        const double place = (draw + static_cast<double>(u)) / draws_ * count;
-        const double group = std::min(std::floor(place), count - 1);
-        LightChoice choice = groups_.draw(static_cast<std::size_t>(group), place - group);
-        choice.pmf *= draws_per_group();
-        return choice;
-    }
-
-    float pmf(const Receiver&, std::uint32_t light) const override {
-        return draws_per_group() * groups_.pmf(light);
-    }
+        const LightGroups* groups;
+    };
+    Distribution at(const Receiver&) const { return {&groups_}; }
 
 private:
-    float draws_per_group() const {
-        return static_cast<float>(draws_) / static_cast<float>(groups_.size());
-    }
-
-    std::uint32_t draws_;
     LightGroups groups_;
 };
 

@@ -7,7 +7,7 @@
 /// Printed are the wall and processor time to prepare the sampler, the memory that it keeps, and
 /// the processor time of one draw, of 64 at once, and of one probability, at points that the camera
 /// sees, one after the other, from one thread: the least of five runs.
-#include "plugins/light_samplers/pilot_paths.h"
+#include "plugins/light_samplers/learning/pilot_paths.h"
 #include "tests/benchmarks/benchmark_samplers.h"
 #include "tests/paths.h"
 
@@ -55,20 +55,27 @@ void measure(const std::string& label, const std::string& name, const Scene& sce
     const LightSampler& sampler = *built;
     const double kept = static_cast<double>(sampler.bytes()) / 1e6;
     Rng rng(3);
-    std::vector<LightQuery> queries;
-    for (const Receiver& at : points) queries.push_back({.at = &at, .u = rng.next_float()});
+    std::vector<LightDistribution> distributions(points.size());
+    std::vector<const Receiver*> receivers;
+    std::vector<LightDistribution*> out;
+    std::vector<LightDraw> draws;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        receivers.push_back(&points[i]);
+        out.push_back(&distributions[i]);
+        draws.push_back({.lights = &distributions[i], .u = rng.next_double()});
+    }
     constexpr std::size_t batch = 64;  // as in `path`
     const double sample_ns = nanoseconds_each(points.size(), [&] {
-        for (std::size_t i = 0; i < queries.size(); i += batch) {
-            const std::size_t size = std::min(batch, queries.size() - i);
-            sampler.batch().sample(sampler, 0, std::span(queries).subspan(i, size));
+        for (std::size_t i = 0; i < draws.size(); i += batch) {
+            const std::size_t size = std::min(batch, draws.size() - i);
+            sampler.batch().at(sampler, std::span(receivers).subspan(i, size),
+                               std::span(out).subspan(i, size));
+            sampler.batch().sample(sampler, std::span(draws).subspan(i, size));
         }
     });
     float sum = 0;
     const double pmf_ns = nanoseconds_each(points.size(), [&] {
-        for (const LightQuery& q : queries) {
-            sum += sampler.pmf(*q.at, q.choice ? q.choice->light : 0);
-        }
+        for (const LightDraw& d : draws) sum += d.lights->pmf(d.choice ? d.choice->light : 0);
     });
     std::printf("%-24s %-32s %9.2f %9.2f %9.1f %9.0f %9.0f%s\n", label.c_str(), name.c_str(), wall,
                 build_cpu, kept, sample_ns, pmf_ns, sum < 0 ? "?" : "");

@@ -94,7 +94,7 @@ void measure(const std::string& type, const Scene& scene, const OracleKind& poin
         for (const LightMoments& m : points.moments()) {
             Receiver at = m.at;
             at.p.x += 1e-6f * static_cast<float>(i) * at.p.x;
-            if (const auto choice = sampler.sample(at, 0, rng.next_float())) sink += choice->light;
+            if (const auto choice = sampler.at(at).sample(rng.next_double())) sink += choice->light;
         }
     }
     const double ns =
@@ -125,7 +125,7 @@ int run(int argc, char** argv) {
     std::vector<std::string> types(argv + std::min(argc, 4), argv + argc);
     if (types.empty()) types = registry.names(LightSampler::kind);
     for (const std::string& type : types) {
-        if (type != "all") measure(type, *scene, points);
+        measure(type, *scene, points);
     }
     return 0;
 }

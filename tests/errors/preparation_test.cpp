@@ -15,11 +15,11 @@ class Unprepared final : public LightSampler {
 public:
     explicit Unprepared(const Params&) {}
     void prepare(const Scene&) override { throw Error("these lights are too many"); }
-    std::uint32_t draws() const override { return 0; }
-    std::optional<LightChoice> sample(const Receiver&, std::uint32_t, float) const override {
-        return {};
-    }
-    float pmf(const Receiver&, std::uint32_t) const override { return 0; }
+    struct Distribution {
+        std::optional<LightChoice> sample(double) const { return {}; }
+        float pmf(std::uint32_t) const { return 0; }
+    };
+    Distribution at(const Receiver&) const { return {}; }
 };
 
 std::string complaint(const std::string& text, const char* name) {

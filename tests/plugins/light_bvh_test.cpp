@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// bvh against the light BVH of pbrt: pbrt_light_bvh.txt lists probabilities that pbrt computed.
-#include "plugins/light_samplers/light_bvh.h"
+#include "plugins/light_samplers/lights/light_bvh.h"
 #include "tests/paths.h"
 #include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
@@ -119,10 +119,10 @@ TEST(LightBVH, has_the_probabilities_of_pbrt) {
         const TestScene test(listed.lights);
         const PreparedSampler sampler(light_sampler("bvh"), test.scene());
         int near = 0, count = 0;
-        const auto pmf = [&](const Receiver& at, std::uint32_t light) {
-            return sampler->pmf(at, light);
+        const auto drawn = [&](const Receiver& at, std::uint32_t light) {
+            return pmf(*sampler, at, light);
         };
-        compare(listed, pmf, [&](double p, double expected) {
+        compare(listed, drawn, [&](double p, double expected) {
             // Here the cone of a flat light has no width: pbrt's, if rounded, has 0.02 degrees.
             EXPECT_NEAR(p, expected, expected > 0 ? 0.01 * expected : 1e-5);
             near += expected > 0 && std::abs(p / expected - 1) < 1e-3;

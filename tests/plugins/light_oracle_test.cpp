@@ -2,6 +2,7 @@
 /// The oracle of `lucerna compare --oracle`: closed forms, and the variance of real draws.
 #include "plugins/commands/compare/light_oracle.h"
 
+#include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
 
 #include <gtest/gtest.h>
@@ -49,8 +50,7 @@ RunningStatistics variances(const std::vector<LightMoments>& all, const LightSam
     RunningStatistics result;
     for (const LightMoments& m : all) {
         double lost = 0;
-        result.add(m.variance(
-            [&](std::uint32_t l) { return static_cast<double>(sampler.pmf(m.at, l)); }, lost));
+        result.add(m.variance_of(sampler, lost));
         EXPECT_EQ(lost, 0);
     }
     return result;
@@ -81,21 +81,22 @@ TEST(LightOracle, power_is_ideal_where_only_power_differs) {
 RunningStatistics squared_deviations(const Scene& scene, const LightSampler& sampler) {
     const OraclePoint point = oracle_points(scene, 0, 1, 0).at(0);
     const Receiver from = point.receiver();
+    const LightDistribution lights = sampler.at(from);
     Rng rng(77);
     std::vector<double> estimates(400000);
     double mean = 0;
     for (double& x : estimates) {
-        const float u_light = rng.next_float();
+        const double u_light = rng.next_double();
         const Vector2 u = rng.next_float2();
         x = 0;
-        const auto choice = sampler.sample(from, 0, u_light);
+        const auto choice = lights.sample(u_light);
         if (!choice) continue;
         const Light& light = scene.lights()[choice->light];
         const auto to = light.emitter->sample_li(light, from, u);
         if (!to || scene.occluded(from, *to)) continue;
         const double cosine = std::max(0.0, static_cast<double>(glm::dot(to->wi, from.n)));
         x = 0.5 / std::numbers::pi * static_cast<double>(luminance(to->radiance)) * cosine /
-            static_cast<double>(to->pdf * choice->pmf);
+            static_cast<double>(to->pdf) * static_cast<double>(choice->weight);
         mean += x / static_cast<double>(estimates.size());
     }
     RunningStatistics result;
@@ -104,7 +105,7 @@ RunningStatistics squared_deviations(const Scene& scene, const LightSampler& sam
 }
 
 TEST(LightOracle, agrees_with_the_variance_of_real_draws) {
-    for (const char* name : {"uniform", "power", "bvh", "exhaustive"}) {
+    for (const char* name : {"uniform", "power", "bvh", "exhaustive", "ris"}) {
         const TestScene test = scene_with(squares, name);
         const LightSampler& sampler = *test.scene().light_sampler();
         const RunningStatistics told = variances(many_times(test.scene(), 1000, 2000), sampler);
@@ -144,17 +145,21 @@ TEST(LightOracle, no_choice_is_better_than_the_bound) {
 /// Draws the first light only.
 class FirstLight final : public LightSampler {
 public:
-    std::uint32_t draws() const override { return 1; }
-    std::optional<LightChoice> sample(const Receiver&, std::uint32_t, float) const override {
-        return LightChoice{.light = 0, .pmf = 1};
-    }
-    float pmf(const Receiver&, std::uint32_t light) const override { return light == 0; }
+    struct Distribution {
+        std::optional<LightChoice> sample(double) const {
+            return LightChoice{.light = 0, .pmf = 1};
+        }
+        float pmf(std::uint32_t light) const { return light == 0; }
+    };
+    Distribution at(const Receiver&) const { return {}; }
 };
 
 TEST(LightOracle, sees_lights_that_are_never_drawn) {
     const TestScene test = scene_with(point_lights(3), "uniform");
     const OracleKind kind(evaluate_all(test.scene(), {}, oracle_points(test.scene(), 0, 5, 0)));
-    const OracleFigures figures = kind.judge(FirstLight());
+    FirstLight first;
+    LightSampler::Batch::attach(first);
+    const OracleFigures figures = kind.judge(first);
     EXPECT_EQ(figures.blind, 5u);
     EXPECT_NEAR(figures.lost, 5.0 / 6, 1e-6);  // of 1 + 2 + 3
     EXPECT_EQ(kind.judge(*test.scene().light_sampler()).blind, 0u);

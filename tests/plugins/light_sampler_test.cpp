@@ -7,9 +7,10 @@
 #include "core/interfaces/bsdf.h"
 #include "plugins/commands/contracts/light_sampler.h"
 #include "plugins/commands/contracts/light_scenes.h"
-#include "plugins/light_samplers/light_study.h"
-#include "plugins/light_samplers/pilot_paths.h"
-#include "plugins/light_samplers/region_study.h"
+#include "plugins/light_samplers/learning/light_study.h"
+#include "plugins/light_samplers/learning/pilot_paths.h"
+#include "plugins/light_samplers/learning/region_study.h"
+#include "plugins/light_samplers/lights/light_cut.h"
 #include "tests/paths.h"
 #include "tests/prepared_sampler.h"
 #include "tests/render_scene.h"
@@ -76,8 +77,9 @@ TEST_P(SeenLights, E15_CachePointsAreNeverMuchWorseThanTheTree) {
     const LightSampler& sampler = *prepared;
     const SceneLights lights(scene);
     for (const Receiver& at : seen_points(scene, 300)) {
+        const LightDistribution distribution = sampler.at(at);
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            EXPECT_GE(sampler.pmf(at, i), 0.099f * lights.tree.pmf(ReceiverRegion(at), i));
+            EXPECT_GE(distribution.pmf(i), 0.099f * lights.tree.pmf(ReceiverRegion(at), i));
         }
     }
 }
@@ -129,27 +131,24 @@ TEST(LightLanes, AreZeroOnlyWhereNothingCanArrive) {
     EXPECT_GT(at_origin(2, 1, true, Sides::both), 0);
 }
 
-class CacheSampler : public testing::TestWithParam<int> {};
-
-INSTANTIATE_TEST_SUITE_P(RemembersAll, CacheSampler, testing::Values(0, 8192));
-
-TEST_P(CacheSampler, E15_WallsUnderHundredsOfDimWindowsKnowThem) {
+TEST(CacheSampler, E15_WallsUnderHundredsOfDimWindowsKnowThem) {
     // Lamps below outshine the windows across the street in the bounds of any cluster; they are
     // not seen from high walls, and what is left must not be drawn by such bounds.
     constexpr int lights = 3000;
     const TestScene test(small_city(lights));
     const Scene& scene = test.scene();
-    const PreparedSampler cache(light_sampler("cache", integer("remember_all", GetParam())), scene);
+    const PreparedSampler cache(light_sampler("cache"), scene);
     const PreparedSampler exhaustive(light_sampler("exhaustive"), scene);
     // Of one draw, if all that the lights in sight contribute is what geometry tells.
     std::vector<double> found;
     for (const Receiver& at :
          pilot_receivers(scene, {.count = 100, .bounces = 0, .seed = 5}, Workers(1))) {
         double second_moment = 0, sum = 0;
+        const LightDistribution cached = cache->at(at), weighed = exhaustive->at(at);
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            const auto u = static_cast<double>(exhaustive->pmf(at, i));
+            const auto u = static_cast<double>(weighed.pmf(i));
             if (!(u > 0) || !contributes(scene, scene.lights()[i], at)) continue;
-            second_moment += u * u / static_cast<double>(cache->pmf(at, i));
+            second_moment += u * u / static_cast<double>(cached.pmf(i));
             sum += u;
         }
         if (sum > 0) found.push_back(second_moment / (sum * sum));
@@ -163,9 +162,9 @@ TEST_P(CacheSampler, E15_WallsUnderHundredsOfDimWindowsKnowThem) {
 /// Samplers that divide a light tree, with parameters by which they divide all of it.
 class CutSamplers : public testing::TestWithParam<std::pair<const char*, const char*>> {
 protected:
-    static std::string sampler(double limit, int samples) {
+    static std::string sampler(double limit, int parts) {
         const auto [type, name] = GetParam();
-        return light_sampler(type, number(name, limit) + integer("light_samples", samples));
+        return light_sampler(type, number(name, limit) + integer("parts", parts));
     }
 };
 
@@ -173,33 +172,50 @@ INSTANTIATE_TEST_SUITE_P(All, CutSamplers,
                          testing::Values(std::pair("adaptive_tree", "splitting_threshold"),
                                          std::pair("slc", "error")));
 
-TEST_P(CutSamplers, trees_that_are_divided_to_the_end_draw_each_light_once) {
-    const TestScene test(courtyard(""));
+TEST_P(CutSamplers, trees_that_are_divided_to_the_end_draw_each_light_alike) {
+    // Over a floor, no more than parts.
+    std::string content = shape("rectangle", scale(3), diffuse(0.5)) +
+                          xml({.to_world = look({0, -4, 4}, {0, 0, 0}), .fov = 50});
+    for (int i = 0; i < 50; ++i) {
+        content +=
+            point_light({-2 + 0.7 * (i % 7), -2 + 0.6 * (i / 7), 0.5 + 0.1 * (i % 5)}, 1 + i);
+    }
+    const TestScene test(content);
     const Scene& scene = test.scene();
     const bool adaptive = std::string(GetParam().first) == "adaptive_tree";
-    const PreparedSampler prepared(sampler(adaptive ? 1 : 0, 1024), scene);
+    const PreparedSampler prepared(sampler(adaptive ? 1 : 0, 64), scene);
     int contributing = 0;
     for (const Receiver& at : seen_points(scene, 100)) {
+        const LightDistribution lights = prepared->at(at);
+        float each = 0;
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            const float pmf = prepared->pmf(at, i);
-            EXPECT_TRUE(pmf == 0 || pmf == 1) << pmf;
+            each = std::max(each, lights.pmf(i));
+        }
+        for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+            EXPECT_TRUE(lights.pmf(i) == 0 || lights.pmf(i) == each) << lights.pmf(i);
             if (!contributes(scene, scene.lights()[i], at)) continue;
-            EXPECT_EQ(pmf, 1) << "light " << i;
+            EXPECT_EQ(lights.pmf(i), each) << "light " << i;
             ++contributing;
         }
     }
     EXPECT_GT(contributing, 1000);
 }
 
-TEST_P(CutSamplers, coarse_cuts_draw_fewer_lights) {
+TEST(LightCut, coarse_cuts_have_fewer_parts) {
     const TestScene test(courtyard(""));
-    const bool adaptive = std::string(GetParam().first) == "adaptive_tree";
-    double coarse = 0, fine = 0;
-    const PreparedSampler one(sampler(adaptive ? 0 : 1e30, 16), test.scene());
-    const PreparedSampler many(sampler(adaptive ? 0.95 : 0.1, 16), test.scene());
+    const LightBVH tree(test.scene());
+    const auto parts = [&](const Receiver& at, float tolerance) {
+        const auto judge = [&](std::uint32_t node) {
+            return CutNode{node, contribution(tree, node, at),
+                           tree[node].leaf ? 0 : largest_contribution(tree, node, at)};
+        };
+        std::uint32_t nodes[16];
+        return cut_tree(tree, 16, tolerance, judge, nodes);
+    };
+    std::size_t coarse = 0, fine = 0;
     for (const Receiver& at : seen_points(test.scene(), 100)) {
-        coarse += draws_that_choose(*one, at);
-        fine += draws_that_choose(*many, at);
+        coarse += parts(at, 1e30f);
+        fine += parts(at, 0.1f);
     }
     EXPECT_GT(fine, 2 * coarse);
 }
@@ -230,9 +246,10 @@ TEST(LearnedSampler, draws_more_lights_that_are_seen_the_more_rays_it_learns_fro
         double sum = 0, all = 0;
         for (const Receiver& at : seen_points(scene, 200)) {
             double lit = 0, drawn = 0;
+            const LightDistribution lights = sampler->at(at);
             for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
                 if (scene.lights()[i].emitter->infinite()) continue;
-                const auto p = static_cast<double>(sampler->pmf(at, i));
+                const auto p = static_cast<double>(lights.pmf(i));
                 drawn += p;
                 if (contributes(scene, scene.lights()[i], at)) lit += p;
             }
@@ -248,14 +265,17 @@ TEST(LearnedSampler, draws_more_lights_that_are_seen_the_more_rays_it_learns_fro
     }
 }
 
+std::string direct_hidden(const std::string& content) {
+    return direct_integrator(content + boolean("hide_emitters", true));
+}
 std::string direct_with(const std::string& sampler) {
-    return direct_integrator(tested_sampler(sampler) + boolean("hide_emitters", true));
+    return direct_hidden(tested_sampler(sampler));
 }
 
 TEST_P(SeenLights, MeanIsThatOfAllLights) {
-    static const RunningStatistics reference = image_means(courtyard(direct_with("all"), 8), 64, 8);
-    const std::uint64_t samples = GetParam() == "all" ? 32 : 2560;
-    const RunningStatistics means = image_means(courtyard(direct_with(GetParam()), 8), samples, 8);
+    static const std::string all = with_all_lights(direct_hidden, courtyard("", 8));
+    static const RunningStatistics reference = image_means(courtyard(all, 8), 64, 8);
+    const RunningStatistics means = image_means(courtyard(direct_with(GetParam()), 8), 2560, 8);
     EXPECT_TRUE(agree(means, reference, 0.01));
 }
 
@@ -321,27 +341,27 @@ TEST_P(SkyBehindAWindow, ProbabilitiesAreThoseOfTheDraws) {
     const LightSampler& sampler = *prepared;
     int checked = 0;
     for (const Receiver& at : seen_points(scene, 100)) {
+        const LightDistribution distribution = sampler.at(at);
         double sum = 0;
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            const float p = sampler.pmf(at, i);
+            const float p = distribution.pmf(i);
             sum += static_cast<double>(p);
             if (!contributes(scene, scene.lights()[i], at)) continue;
             EXPECT_GT(p, 0) << "light " << i;
             ++checked;
         }
-        EXPECT_LE(sum, sampler.draws() * (1 + 1e-5));
+        EXPECT_LE(sum, 1 + 1e-5);
         std::vector<double> drawn(scene.lights().size());
         constexpr int trials = 4096;
         for (int k = 0; k < trials; ++k) {
-            const auto choice =
-                sampler.sample(at, 0, (static_cast<float>(k) + 0.5f) / static_cast<float>(trials));
+            const auto choice = distribution.sample((k + 0.5) / trials);
             if (!choice) continue;
-            EXPECT_EQ(choice->pmf, sampler.pmf(at, choice->light));
+            EXPECT_EQ(choice->pmf, distribution.pmf(choice->light));
             ++drawn[choice->light];
         }
-        if (sampler.draws() > 1) continue;
+        if (GetParam() == "ris") continue;  // whose pmf is not the probability
         for (std::uint32_t i = 0; i < drawn.size(); ++i) {
-            EXPECT_NEAR(drawn[i] / trials, static_cast<double>(sampler.pmf(at, i)), 4e-3);
+            EXPECT_NEAR(drawn[i] / trials, static_cast<double>(distribution.pmf(i)), 4e-3);
         }
     }
     EXPECT_GT(checked, 1000);
@@ -349,13 +369,13 @@ TEST_P(SkyBehindAWindow, ProbabilitiesAreThoseOfTheDraws) {
 
 /// One test for all samplers: its reference takes most of the time.
 TEST_F(SkyBehindAWindow, MeanIsThatOfAllLights) {
-    const auto mean = [&](const std::string& sampler, std::uint64_t samples) {
-        const TestScene scene(room(direct_with(sampler)), folder->path());
+    const auto mean = [&](const std::string& integrator, std::uint64_t samples) {
+        const TestScene scene(room(integrator), folder->path());
         return pixel_statistics(scene.render({.per_pixel = samples})).mean();
     };
-    const double reference = mean("all", 8192);
+    const double reference = mean(with_all_lights(direct_hidden, room(""), folder->path()), 128);
     for (const std::string& sampler : tested_samplers()) {
-        EXPECT_NEAR(mean(sampler, 2048), reference, 0.01 * reference) << sampler;
+        EXPECT_NEAR(mean(direct_with(sampler), 2048), reference, 0.01 * reference) << sampler;
     }
 }
 
@@ -375,9 +395,9 @@ TEST_F(SkyBehindAWindow, CacheLearnsWhatTheWindowShows) {
         Rng rng(4);
         RunningStatistics seen;
         for (const Receiver& at : seen_points(scene, 2000)) {
-            const float u = rng.next_float();
+            const double u = rng.next_double();
             const Vector2 u_light = rng.next_float2();
-            const auto choice = sampler->sample(at, 0, u);
+            const auto choice = sampler->at(at).sample(u);
             if (!choice || !scene.lights()[choice->light].emitter->infinite()) continue;
             const Light& light = scene.lights()[choice->light];
             const auto li = light.emitter->sample_li(light, at, u_light);

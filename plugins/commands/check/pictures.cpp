@@ -112,14 +112,13 @@ Sheet draw_light_sampler(Subject& subject, const Effort& effort) {
     const int trials = effort.part(rows, 1000);
     for (int y = 0; y < rows; ++y) {
         const Receiver& at = points[static_cast<std::size_t>(y)];
+        const LightDistribution distribution = sampler.at(at);
         for (int i = 0; i < trials; ++i) {
-            for (std::uint32_t draw = 0; draw < sampler.draws(); ++draw) {
-                const auto choice = sampler.sample(at, draw, rng.next_float());
-                if (choice) drawn.at(static_cast<int>(choice->light), y) += 1.0 / trials;
-            }
+            const auto choice = distribution.sample(rng.next_double());
+            if (choice) drawn.at(static_cast<int>(choice->light), y) += 1.0 / trials;
         }
         for (int x = 0; x < lights; ++x) {
-            pmf.at(x, y) = static_cast<double>(sampler.pmf(at, static_cast<std::uint32_t>(x)));
+            pmf.at(x, y) = static_cast<double>(distribution.pmf(static_cast<std::uint32_t>(x)));
         }
     }
     return {{drawn.show(pmf.largest()), pmf.show(pmf.largest())}};

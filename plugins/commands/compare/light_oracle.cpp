@@ -5,6 +5,8 @@
 #include "core/scene/scatter.h"
 
 #include <algorithm>
+#include <limits>
+#include <unordered_map>
 
 namespace lucerna {
 
@@ -179,15 +181,44 @@ OracleFigures OracleKind::unoccluded() const {
     return figures([](const LightMoments& m, double&) { return m.unoccluded; });
 }
 
+namespace {
+
+/// For each light that is drawn, the mean over draws of LightChoice::weight², zero if the light is
+/// another one. Empty: weights are 1 / pmf, and the means are, too.
+std::unordered_map<std::uint32_t, double> squared_weights(const LightDistribution& lights) {
+    constexpr int draws = 4096, tried = 16;
+    std::unordered_map<std::uint32_t, double> means;
+    bool exact = true;
+    for (int i = 0; i < tried; ++i) {
+        const auto choice = lights.sample((i + 0.5) / tried);
+        exact &= !choice || choice->is_exact();
+    }
+    for (int i = 0; i < draws && !exact; ++i) {
+        const auto choice = lights.sample((i + 0.5) / draws);
+        if (choice) means[choice->light] += sqr(static_cast<double>(choice->weight)) / draws;
+    }
+    return means;
+}
+
+}  // namespace
+
+double LightMoments::variance_of(const LightSampler& sampler, double& lost) const {
+    const LightDistribution lights = sampler.at(at);
+    const auto squares = squared_weights(lights);
+    return variance(
+        [&](std::uint32_t light) {
+            const auto pmf = static_cast<double>(lights.pmf(light));
+            if (squares.empty() || !(pmf > 0)) return pmf;
+            const auto found = squares.find(light);
+            return found == squares.end() ? std::numeric_limits<double>::infinity()
+                                          : 1 / found->second;
+        },
+        lost);
+}
+
 OracleFigures OracleKind::judge(const LightSampler& sampler) const {
-    const double draws = std::max(1u, sampler.draws());
-    return figures([&](const LightMoments& m, double& lost) {
-        return m.variance(
-            [&](std::uint32_t light) {
-                return static_cast<double>(sampler.pmf(m.at, light)) / draws;
-            },
-            lost);
-    });
+    return figures(
+        [&](const LightMoments& m, double& lost) { return m.variance_of(sampler, lost); });
 }
 
 }  // namespace lucerna

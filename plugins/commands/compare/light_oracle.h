@@ -10,8 +10,8 @@
 ///
 /// so that one evaluation of all lights judges every sampler that tells its probabilities. What
 /// remains at the bound is the noise of the samples on the lights. `unoccluded` is P ∝ √m₂ where m₂
-/// knows no shadows: the best that looks at geometry alone. Samplers that draw k lights are judged
-/// by one draw: P is the expected number of times that a light is drawn, over k.
+/// knows no shadows: the best that looks at geometry alone. For samplers that estimate 1 / P, 1 / P
+/// is the mean of the squared weights of a light, of 4096 draws.
 ///
 /// The m are estimated from two independent, stratified halves A and B of samples; c² is c_A c_B,
 /// without bias. In scenes of very many lights only some of them, with probabilities q in
@@ -79,6 +79,8 @@ struct LightMoments {
         lost = sum > 0 ? missing / sum : 0;
         return total - square;
     }
+    /// Variance of the choices of a light sampler here.
+    double variance_of(const LightSampler& sampler, double& lost) const;
 };
 
 class LightOracle {

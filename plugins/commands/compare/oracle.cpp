@@ -46,7 +46,6 @@ OracleReport ask_oracle(const SessionSettings& settings,
         const Session session(variant);
         const LightSampler* sampler = session.scene().light_sampler();
         if (!sampler) throw Error("--oracle: the integrator of the scene has no light sampler");
-        report.draws.push_back(sampler->draws());
         for (std::size_t i = 0; i < kinds.size(); ++i) {
             report.sections[i].variants.push_back(kinds[i].judge(*sampler));
         }
@@ -73,7 +72,7 @@ Json to_json(const OracleReport& report, const ComparisonResult& result) {
         entry.set("unoccluded", to_json(section.unoccluded));
         for (std::size_t i = 0; i < section.variants.size(); ++i) {
             Json figures = to_json(section.variants[i]);
-            figures.set("name", result.variants[i].variant.name).set("draws", report.draws[i]);
+            figures.set("name", result.variants[i].variant.name);
             variants.append(figures);
         }
         sections.append(entry.set("variants", variants));

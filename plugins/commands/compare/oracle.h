@@ -25,7 +25,6 @@ struct OracleReport {
     OracleOptions options;
     std::size_t lights = 0;
     std::vector<OracleSection> sections{};
-    std::vector<std::uint32_t> draws{};  ///< of each variant
 };
 
 /// What is wrong with asking about these variants, or empty.

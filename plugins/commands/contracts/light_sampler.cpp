@@ -44,34 +44,31 @@ bool contributes(const Scene& scene, const Light& light, const Receiver& at, boo
 }
 
 Evidence pmf_sums(const LightSamplerTrial& trial) {
-    Evidence evidence("probabilities add up to the draws");
-    const std::uint32_t draws = trial.sampler.draws();
+    Evidence evidence("probabilities add up to one, or to the draws that choose a light");
     for (const Receiver& at : trial.points) {
+        const LightDistribution lights = trial.sampler.at(at);
         double sum = 0;
         for (std::uint32_t light = 0; light < trial.scene.lights().size(); ++light) {
-            const float p = trial.sampler.pmf(at, light);
+            const float p = lights.pmf(light);
             evidence.require(std::isfinite(p) && p >= 0, [&] {
                 return fmt::format("pmf of light {} is {} at {}", light, p, text(at));
             });
             sum += static_cast<double>(p);
         }
-        evidence.require(sum <= draws * (1 + 1e-5), [&] {
-            return fmt::format("they add up to {} for {} draws at {}", sum, draws, text(at));
-        });
-        // Less only as far as draws choose no light.
-        constexpr int trials = 4000;
-        const std::uint32_t tried = std::min(draws, 8u);
-        double empty = 0;
+        evidence.require(sum <= 1 + 1e-5,
+                         [&] { return fmt::format("they add up to {} at {}", sum, text(at)); });
+        constexpr int trials = 8000;
+        double chosen = 0;
+        bool exact = true;
         for (int i = 0; i < trials; ++i) {
-            for (std::uint32_t draw = 0; draw < tried; ++draw) {
-                const float u = (static_cast<float>(i) + 0.5f) / trials;
-                empty += !trial.sampler.sample(at, draw, u);
-            }
+            const auto choice = lights.sample((i + 0.5) / trials);
+            if (!choice) continue;
+            chosen += 1.0 / trials;
+            exact &= choice->is_exact();
         }
-        const double chosen = 1 - empty / (trials * tried);
-        evidence.require(std::abs(sum / draws - chosen) < 2e-3, [&] {
-            return fmt::format("they add up to {}, and {} of {} draws choose a light at {}", sum,
-                               chosen * draws, draws, text(at));
+        evidence.require(!exact || std::abs(sum - chosen) < 2e-3, [&] {
+            return fmt::format("they add up to {}, and {} of the draws choose a light at {}", sum,
+                               chosen, text(at));
         });
     }
     return evidence;
@@ -80,52 +77,64 @@ Evidence pmf_sums(const LightSamplerTrial& trial) {
 Evidence pmf_of_draws(const LightSamplerTrial& trial) {
     Evidence evidence("drawn and evaluated probability are the same");
     for (const Receiver& at : trial.points) {
-        for (const float u : {0.0f, 0x1p-24f, 0.1f, 0.37f, 0.5f, 0.73f, 0.9f, 1 - 0x1p-24f}) {
-            for (std::uint32_t draw = 0; draw < trial.sampler.draws(); ++draw) {
-                const auto choice = trial.sampler.sample(at, draw, u);
-                if (!choice) continue;
-                if (!evidence.require(choice->light < trial.scene.lights().size(), [&] {
-                        return fmt::format("there is no light {}", choice->light);
-                    })) {
-                    continue;
-                }
-                const float pmf = trial.sampler.pmf(at, choice->light);
-                evidence.require(choice->pmf > 0 && choice->pmf == pmf, [&] {
-                    return fmt::format("light {} is drawn with {}, pmf is {} at {}", choice->light,
-                                       choice->pmf, pmf, text(at));
-                });
+        const LightDistribution lights = trial.sampler.at(at);
+        for (const double u : {0.0, 0x1p-53, 0.1, 0.37, 0.5, 0.73, 0.9, 1 - 0x1p-53}) {
+            const auto choice = lights.sample(u);
+            if (!choice) continue;
+            if (!evidence.require(choice->light < trial.scene.lights().size(), [&] {
+                    return fmt::format("there is no light {}", choice->light);
+                })) {
+                continue;
             }
+            const float pmf = lights.pmf(choice->light);
+            evidence.require(choice->pmf > 0 && choice->pmf == pmf, [&] {
+                return fmt::format("light {} is drawn with {}, pmf is {} at {}", choice->light,
+                                   choice->pmf, pmf, text(at));
+            });
+            evidence.require(std::isfinite(choice->weight) && choice->weight > 0, [&] {
+                return fmt::format("light {} is drawn with weight {} at {}", choice->light,
+                                   choice->weight, text(at));
+            });
         }
     }
     return evidence;
 }
 
 Evidence draw_frequencies(const LightSamplerTrial& trial, const Effort& effort) {
-    Evidence evidence("lights are drawn as often as pmf says (χ²)");
-    const std::size_t lights = trial.scene.lights().size();
-    const std::uint32_t draws = trial.sampler.draws();
+    Evidence evidence("lights are drawn as often as their weights say");
+    const std::size_t count = trial.scene.lights().size();
     Rng rng(hash64({effort.seed, 2}));
-    const int trials = effort.part(3 * static_cast<int>(draws), 5000);
+    const int trials = effort.part(3, 5000);
     for (const Receiver& at : trial.points) {
-        std::vector<double> observed(lights + 1), expected(lights + 1);
+        const LightDistribution lights = trial.sampler.at(at);
+        std::vector<double> observed(count + 1), expected(count + 1);
+        std::vector<RunningStatistics> weights(count);
+        bool exact = true;
         for (int i = 0; i < trials; ++i) {
-            for (std::uint32_t draw = 0; draw < draws; ++draw) {
-                const auto choice = trial.sampler.sample(at, draw, rng.next_float());
-                ++observed[choice ? std::min<std::size_t>(choice->light, lights) : lights];
+            const auto choice = lights.sample(rng.next_double());
+            const std::size_t light = choice ? std::min<std::size_t>(choice->light, count) : count;
+            ++observed[light];
+            exact &= light == count || choice->is_exact();
+            for (std::size_t k = 0; k < count; ++k) {
+                weights[k].add(k == light ? static_cast<double>(choice->weight) : 0);
             }
         }
-        double rest = draws;
-        for (std::uint32_t i = 0; i < lights; ++i) {
-            expected[i] = trials * static_cast<double>(trial.sampler.pmf(at, i));
-            rest -= static_cast<double>(trial.sampler.pmf(at, i));
+        if (exact) {
+            double rest = 1;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                expected[i] = trials * static_cast<double>(lights.pmf(i));
+                rest -= static_cast<double>(lights.pmf(i));
+            }
+            // The sum of the probabilities is known up to rounding only.
+            expected[count] = trials * std::max(rest, 2e-6);
+            evidence.test(chi_square(observed, expected), "at " + text(at) + " (χ²)");
+            continue;
         }
-        // The sum of the probabilities is known up to rounding only.
-        expected[lights] = trials * std::max(rest, 2e-6 * draws);
-        // If each light is drawn once, nothing is left to chance.
-        const bool certain = draws > 1 && observed[lights] == 0 &&
-                             std::equal(observed.begin(), observed.end() - 1, expected.begin());
-        evidence.test(certain ? Judgement{1, "each is drawn once"} : chi_square(observed, expected),
-                      "at " + text(at));
+        for (std::size_t i = 0; i < count; ++i) {
+            if (observed[i] < 50) continue;  // too few for a normal distribution
+            evidence.test(mean_is(weights[i], 1),
+                          fmt::format("weights of light {} at {}", i, text(at)));
+        }
     }
     return evidence;
 }
@@ -133,8 +142,9 @@ Evidence draw_frequencies(const LightSamplerTrial& trial, const Effort& effort) 
 Evidence pmf_support(const LightSamplerTrial& trial) {
     Evidence evidence("pmf is positive where a light contributes");
     for (const Receiver& at : trial.points) {
+        const LightDistribution lights = trial.sampler.at(at);
         for (std::uint32_t i = 0; i < trial.scene.lights().size(); ++i) {
-            const bool drawn = trial.sampler.pmf(at, i) > 0;
+            const bool drawn = lights.pmf(i) > 0;
             const Light& light = trial.scene.lights()[i];
             if (!contributes(trial.scene, light, at, trial.blocked)) continue;
             evidence.require(drawn, [&] {
@@ -148,46 +158,52 @@ Evidence pmf_support(const LightSamplerTrial& trial) {
 Evidence draws_in_batches(const LightSamplerTrial& trial, const Effort& effort) {
     Evidence evidence("draws at many points are each by itself");
     Rng rng(hash64({effort.seed, 5}));
-    std::vector<LightQuery> queries;
-    for (const Receiver& at : trial.points) queries.push_back({.at = &at, .u = rng.next_float()});
-    const std::uint32_t last = trial.sampler.draws() - 1;
-    trial.sampler.batch().sample(trial.sampler, last, queries);
-    for (const LightQuery& query : queries) {
-        const auto one = trial.sampler.sample(*query.at, last, query.u);
-        const bool same =
-            query.choice.has_value() == one.has_value() &&
-            (!one || (query.choice->light == one->light && query.choice->pmf == one->pmf));
-        evidence.require(same, [&] { return "another choice at " + text(*query.at); });
+    std::vector<LightDistribution> distributions(trial.points.size());
+    std::vector<const Receiver*> points;
+    std::vector<LightDistribution*> out;
+    std::vector<LightDraw> draws;
+    for (std::size_t i = 0; i < trial.points.size(); ++i) {
+        points.push_back(&trial.points[i]);
+        out.push_back(&distributions[i]);
+        draws.push_back({.lights = &distributions[i], .u = rng.next_double()});
+    }
+    trial.sampler.batch().at(trial.sampler, points, out);
+    trial.sampler.batch().sample(trial.sampler, draws);
+    for (std::size_t i = 0; i < draws.size(); ++i) {
+        const auto one = trial.sampler.at(trial.points[i]).sample(draws[i].u);
+        const auto& choice = draws[i].choice;
+        const bool same = choice.has_value() == one.has_value() &&
+                          (!one || (choice->light == one->light && choice->pmf == one->pmf &&
+                                    choice->weight == one->weight));
+        evidence.require(same, [&] { return "another choice at " + text(trial.points[i]); });
     }
     return evidence;
 }
 
 Evidence light_is_unbiased(const LightSamplerTrial& trial, const Effort& effort) {
     Evidence evidence("arriving light is that of all lights");
-    const auto lights = static_cast<std::uint32_t>(trial.scene.lights().size());
+    const auto count = static_cast<std::uint32_t>(trial.scene.lights().size());
     Rng rng(hash64({effort.seed, 6}));
-    const int repeats =
-        effort.part(static_cast<int>(trial.points.size() * trial.sampler.draws()), 1000);
+    const int repeats = effort.part(static_cast<int>(trial.points.size()), 1000);
     for (const Receiver& at : trial.points) {
         // Lights that are drawn a few times only are left to χ²: their sums are far from normal.
-        std::vector<bool> frequent(lights);
-        for (std::uint32_t i = 0; i < lights; ++i) {
-            frequent[i] = repeats * static_cast<double>(trial.sampler.pmf(at, i)) >= 50;
+        const LightDistribution lights = trial.sampler.at(at);
+        std::vector<bool> frequent(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            frequent[i] = repeats * static_cast<double>(lights.pmf(i)) >= 50;
         }
         RunningStatistics chosen, all;
         for (int i = 0; i < repeats; ++i) {
-            double sum = 0;
-            for (std::uint32_t draw = 0; draw < trial.sampler.draws(); ++draw) {
-                const auto choice = trial.sampler.sample(at, draw, rng.next_float());
-                const Vector2 u = rng.next_float2();
-                if (!choice || choice->light >= lights || !frequent[choice->light]) continue;
-                sum += contribution(trial, trial.scene.lights()[choice->light], at, u) /
-                       static_cast<double>(choice->pmf);
-            }
-            chosen.add(sum);
+            const auto choice = lights.sample(rng.next_double());
+            const Vector2 u_light = rng.next_float2();
+            const bool counts = choice && choice->light < count && frequent[choice->light];
+            chosen.add(counts
+                           ? contribution(trial, trial.scene.lights()[choice->light], at, u_light) *
+                                 static_cast<double>(choice->weight)
+                           : 0.0);
             if (i % 8 != 0) continue;
             double whole = 0;
-            for (std::uint32_t k = 0; k < lights; ++k) {
+            for (std::uint32_t k = 0; k < count; ++k) {
                 const Vector2 u = rng.next_float2();
                 if (frequent[k]) whole += contribution(trial, trial.scene.lights()[k], at, u);
             }

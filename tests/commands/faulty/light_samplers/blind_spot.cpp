@@ -13,22 +13,24 @@ public:
     void prepare(const Scene& scene) override {
         count_ = static_cast<std::uint32_t>(scene.lights().size());
     }
-    std::uint32_t draws() const override { return count_ > 0 ? 1 : 0; }
 
-    std::optional<LightChoice> sample(const Receiver& at, std::uint32_t, float u) const override {
-        const std::uint32_t first = first_at(at), left = count_ - first;
-        const auto place = static_cast<std::uint32_t>(u * static_cast<float>(left));
-        const std::uint32_t light = first + std::min(place, left - 1);
-        return LightChoice{.light = light, .pmf = pmf(at, light)};
-    }
-    float pmf(const Receiver& at, std::uint32_t light) const override {
-        const std::uint32_t first = first_at(at);
-        return light < first ? 0 : 1 / static_cast<float>(count_ - first);
+    struct Distribution {
+        std::optional<LightChoice> sample(double u) const {
+            if (first >= end) return {};
+            const auto place = static_cast<std::uint32_t>(u * (end - first));
+            const std::uint32_t light = std::min(first + place, end - 1);
+            return LightChoice{.light = light, .pmf = pmf(light)};
+        }
+        float pmf(std::uint32_t light) const {
+            return light < first ? 0 : 1 / static_cast<float>(end - first);
+        }
+        std::uint32_t first, end;
+    };
+    Distribution at(const Receiver& receiver) const {
+        return {receiver.p.x > 0 ? count_ / 2 : 0, count_};
     }
 
 private:
-    std::uint32_t first_at(const Receiver& at) const { return at.p.x > 0 ? count_ / 2 : 0; }
-
     std::uint32_t count_ = 0;
 };
 

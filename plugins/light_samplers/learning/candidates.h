@@ -2,7 +2,7 @@
 /// Lights that may matter in a region of the scene, and what shadow rays have told of them.
 #pragma once
 
-#include "plugins/light_samplers/light_tree8.h"
+#include "plugins/light_samplers/lights/light_tree8.h"
 
 namespace lucerna {
 
@@ -35,7 +35,6 @@ struct Candidate {
 struct Candidates {
     std::vector<Candidate> all;
     std::vector<std::uint32_t> parents;  ///< of each group, the one that it is part of
-    std::vector<float> arriving;         ///< of each group's light, the fraction that arrives
     float usual = 0;                     ///< that fraction, of all lights
     bool complete = false;               ///< every light of the tree is one, or in a cluster
 
@@ -60,7 +59,7 @@ inline void Candidates::learn_priors() {
         sums[parents[i]].rays += sums[i].rays;
         sums[parents[i]].arrived += sums[i].arrived;
     }
-    arriving.resize(sums.size());
+    std::vector<float> arriving(sums.size());
     for (std::size_t i = 0; i < sums.size(); ++i) {
         const float above = i == 0 ? usual : arriving[parents[i]];
         const float arrived = sums[i].arrived + prior_rays * above;

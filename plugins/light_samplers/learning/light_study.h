@@ -8,72 +8,13 @@
 /// known. A study depends on nothing but the points of its region.
 #pragma once
 
-#include "core/math/distribution.h"
 #include "core/math/sequences.h"
-#include "core/scene/scene.h"
-#include "plugins/light_samplers/light_list.h"
-#include "plugins/light_samplers/near_lights.h"
+#include "plugins/light_samplers/learning/candidates.h"
+#include "plugins/light_samplers/lights/scene_lights.h"
 
 #include <queue>
 
 namespace lucerna {
-
-/// If there are no more lights than these, places choose the best from all of them.
-constexpr std::size_t few_lights = 8192;
-
-/// The lights of a scene: a tree of those that are somewhere, a distribution of those at infinity.
-struct SceneLights {
-    LightTree8 tree;
-    std::size_t lights = 0;                     ///< of the scene, also those that do not shine
-    std::size_t finite = 0;                     ///< lights in the tree
-    std::vector<std::uint32_t> infinite;        ///< lights at infinity
-    std::vector<InfiniteLanes> infinite_lanes;  ///< of `infinite`
-    std::size_t infinite_emitters = 0;          ///< whose lights they are
-    DiscreteDistribution infinite_power;
-    double infinite_irradiance = 0;  ///< that they are expected to cause together
-    double unit = 1;                 ///< irradiance that counts as 1
-    NearLights every;                ///< those in the tree, if there are few enough; or none
-
-    SceneLights() = default;
-    /// `every` is filled if there are no more than `few` lights in the tree.
-    explicit SceneLights(const Scene& scene, std::size_t few = 0) {
-        LightList list(scene);
-        lights = scene.lights().size();
-        finite = list.finite.size();
-        infinite = list.infinite;
-        infinite_lanes = list.infinite_lanes;
-        for (std::size_t i = 0; i < infinite.size(); ++i) {
-            infinite_emitters += i == 0 || scene.lights()[infinite[i]].emitter !=
-                                               scene.lights()[infinite[i - 1]].emitter;
-        }
-        infinite_power = DiscreteDistribution(list.irradiance);
-        for (const double e : list.irradiance) infinite_irradiance += e;
-        unit = list.unit;
-        tree = LightTree8(std::move(list), lights, Workers(scene.threads()));
-        if (finite > few) return;
-        std::vector<Candidate> all;
-        for (std::uint32_t i = 0; i < lights; ++i) {
-            if (tree.holds(i)) all.push_back({.light = i, .prior = 1});
-        }
-        every = NearLights(all, tree, 1);
-    }
-
-    std::size_t count() const { return finite + infinite.size(); }
-    /// What a light at infinity causes on a surface that faces it, in units.
-    float facing_irradiance(std::size_t i) const {
-        constexpr std::size_t width = InfiniteLanes::width;
-        return infinite_lanes[i / width].irradiance[i % width];
-    }
-    std::optional<std::uint32_t> only_light() const {
-        if (count() != 1) return {};
-        return finite == 1 ? tree[0].link[0] : infinite.front();
-    }
-    /// Share of those at infinity where nothing else is known, after pbrt-v4.
-    float infinite_share() const {
-        const auto n = static_cast<float>(infinite_emitters);
-        return n / (n + (finite > 0 ? 1.0f : 0.0f));
-    }
-};
 
 class LightStudy {
 public:
@@ -94,16 +35,13 @@ public:
         find_candidates(count, false);
         return learn(rays);
     }
-    /// About `count` lights and clusters that hold all lights which can reach the region; in
-    /// scenes of few lights, `count` of them.
-    Candidates cut(std::size_t count, std::size_t rays) {
+    /// About `count` lights and clusters that hold all lights which can reach the region, with
+    /// what so many shadow rays for each tell of them.
+    Candidates cut(std::size_t count, float rays_per_candidate) {
         find_candidates(count, true);
-        return learn(rays);
+        const auto found = static_cast<float>(candidates_.all.size());
+        return learn(static_cast<std::size_t>(found * rays_per_candidate));
     }
-
-    /// What each lane of `SceneLights::every` contributes where nothing is in between, mean over
-    /// the points; after `candidates`.
-    std::span<const float> means() const { return means_; }
 
     std::span<const ReceiverRegion> points() const { return lit_; }
     /// Stands for all points.
@@ -125,7 +63,6 @@ private:
         return candidate.is_light() ? lights_.tree.lane(candidate.light)
                                     : lights_.tree.lane_of_node(candidate.cluster);
     }
-    void choose_from_all(std::size_t count);
     Candidates learn(std::size_t rays) {
         weigh_candidates();
         trace_rounds(rays);
@@ -149,7 +86,6 @@ private:
     ReceiverRegion region_;
     Candidates candidates_;
     std::vector<float> weights_;  ///< of each candidate: contribution at each point
-    std::vector<float> means_;
     Rng rng_;
 };
 
@@ -196,7 +132,6 @@ inline void LightStudy::find_candidates(std::size_t count, bool cut) {
         }
     };
     if (lights_.tree.empty()) return;
-    if (lights_.every.blocks() > 0) return choose_from_all(count);
     candidates_.complete = cut;
     std::priority_queue<Entry> open;
     const auto divide = [&](std::uint32_t index, std::uint32_t group) {
@@ -227,36 +162,6 @@ inline void LightStudy::find_candidates(std::size_t count, bool cut) {
         } else {
             candidates_.all.push_back({.cluster = entry.link, .group = entry.group});
         }
-    }
-}
-
-/// By their contributions to all points.
-inline void LightStudy::choose_from_all(std::size_t count) {
-    const std::span<const std::uint32_t> lights = lights_.every.lights();
-    std::vector<float> at_point(lights.size());
-    means_.assign(lights.size(), 0.0f);
-    for (const ReceiverRegion& at : lit_) {
-        lights_.every.weigh(at, at_point.data());
-        for (std::size_t i = 0; i < lights.size(); ++i) means_[i] += at_point[i];
-    }
-    lights_.every.weigh(region_, at_point.data());
-    std::vector<std::uint32_t> lanes;
-    for (std::uint32_t i = 0; i < lights.size(); ++i) {
-        means_[i] = mean_of(means_[i], at_point[i]);
-        if (means_[i] > 0) lanes.push_back(i);
-    }
-    const auto better = [&](std::uint32_t a, std::uint32_t b) {
-        return means_[a] != means_[b] ? means_[a] > means_[b] : a < b;
-    };
-    const auto end = lanes.begin() + static_cast<std::ptrdiff_t>(std::min(count, lanes.size()));
-    std::nth_element(lanes.begin(), end, lanes.end(), better);
-    std::sort(lanes.begin(), end, better);
-    for (auto it = lanes.begin(); it != end; ++it) {
-        const std::uint32_t light = lights[*it];
-        candidates_.all.push_back({.light = light, .group = lights_.tree.node_of(light)});
-    }
-    for (std::uint32_t i = 0; i < lights_.tree.size(); ++i) {
-        candidates_.parents.push_back(i == 0 ? 0 : lights_.tree[i].parent);
     }
 }
 

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "core/base/huge_pages.h"
-#include "plugins/light_samplers/light_list.h"
+#include "plugins/light_samplers/lights/light_list.h"
 
 namespace lucerna {
 

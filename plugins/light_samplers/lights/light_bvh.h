@@ -15,8 +15,8 @@
 
 #include "core/interfaces/light_sampler.h"
 #include "core/scene/scene.h"
-#include "plugins/light_samplers/compact_bounds.h"
-#include "plugins/light_samplers/light_tree.h"
+#include "plugins/light_samplers/lights/compact_bounds.h"
+#include "plugins/light_samplers/lights/light_tree.h"
 
 namespace lucerna {
 

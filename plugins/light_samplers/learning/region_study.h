@@ -9,7 +9,7 @@
 
 #include "core/math/sequences.h"
 #include "core/scene/scene.h"
-#include "plugins/light_samplers/light_cut.h"
+#include "plugins/light_samplers/lights/light_cut.h"
 
 namespace lucerna {
 
@@ -73,7 +73,8 @@ inline void RegionStudy::divide(std::size_t count, std::vector<std::uint32_t>& c
         }
         return sum;
     };
-    cut_tree(tree_, count, 0, judge, clusters);
+    clusters.resize(count);
+    clusters.resize(cut_tree(tree_, count, 0, judge, clusters.data()));
 }
 
 /// Irradiance that one sample of a light brings to a point [W/m²].

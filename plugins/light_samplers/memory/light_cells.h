@@ -4,13 +4,11 @@
 /// Among the candidates that a study (light_study.h) found, the lights that bring most are weighed
 /// at each point, at most K, until they bring a given part of what all do; the others, and
 /// clusters of lights, are weighed once. What a cell learnt of a candidate with its own few rays is
-/// joined with what its neighbours learnt of it. In scenes of some thousand lights a cell remembers
-/// all of them, those without a ray at the visibility that is usual there; in larger ones a cut
-/// through the light tree. Only lights that can reach none of the points that were studied are left
-/// to a draw from the tree.
+/// joined with what its neighbours learnt of it. Only lights that can reach none of the points that
+/// were studied are left to a draw from the tree.
 #pragma once
 
-#include "plugins/light_samplers/kept_lights.h"
+#include "plugins/light_samplers/memory/kept_lights.h"
 
 #include <numeric>
 
@@ -18,8 +16,7 @@ namespace lucerna {
 
 struct CellOptions {
     std::size_t lights = 64;       ///< K, weighed at each point
-    std::size_t candidates = 512;  ///< in a cell that remembers all lights
-    std::size_t clusters = 1536;   ///< and lights, in others
+    std::size_t clusters = 1024;   ///< and lights, in the cut
     float rays_per_candidate = 1;  ///< shadow rays
     float coverage = 0.9f;         ///< of what the candidates bring, by the lights that are weighed
     float lent_rays = 4;           ///< that what the neighbours learnt counts for
@@ -29,11 +26,11 @@ struct CellOptions {
 
 /// What is known of a region. No light is in more than one of the lists.
 struct LightCell {
-    NearLights near;
-    FarLights far;
-    FarLights clusters;  ///< nodes of the tree
-    FarLights infinite;  ///< all lights at infinity, by their places in SceneLights::infinite
-    float tail = 1;      ///< share of draws that the tree gets
+    WeighedLights near;
+    WeightTable far;
+    WeightTable clusters;  ///< nodes of the tree
+    WeightTable infinite;  ///< all lights at infinity, by their places in SceneLights::infinite
+    float tail = 1;        ///< share of draws that the tree gets
 
     /// Asks the memory for what a draw will read first: where the lists are, then them.
     enum class Prefetch { addresses, data };
@@ -50,7 +47,8 @@ struct LightCell {
 
     bool is_empty() const { return near.blocks() + far.size() + clusters.size() == 0; }
     /// The cluster that a light of the tree belongs to.
-    std::optional<FarLights::Choice> cluster_of(std::uint32_t light, const LightTree8& tree) const {
+    std::optional<WeightTable::Choice> cluster_of(std::uint32_t light,
+                                                  const LightTree8& tree) const {
         const auto cluster = clusters.last_up_to(tree.node_of(light));
         return cluster && tree.is_below(light, cluster->light) ? cluster : std::nullopt;
     }
@@ -67,11 +65,10 @@ public:
     CellBuilder(const SceneLights& lights, const CellOptions& options)
         : lights_(lights), options_(options) {}
 
-    /// `others`: if every light is to be remembered, their unoccluded contributions.
     /// `infinite`: lights at infinity, in their order.
-    LightCell build(Candidates candidates, const Candidates& infinite, const FarLights& others) {
+    LightCell build(Candidates candidates, const Candidates& infinite) {
         LightCell cell;
-        keep_best(candidates, others, cell);
+        keep_best(candidates, cell);
         weigh_infinite(infinite, cell);
         if (cell.is_empty() && lights_.infinite.empty()) return cell;
         const std::size_t kept = KeptLights(cell.near, cell.far).count() + cell.clusters.size();
@@ -81,27 +78,20 @@ public:
     }
 
 private:
-    void keep_best(Candidates& candidates, const FarLights& others, LightCell& cell) const;
+    void keep_best(Candidates& candidates, LightCell& cell) const;
     void weigh_infinite(const Candidates& infinite, LightCell& cell) const;
 
     const SceneLights& lights_;
     const CellOptions& options_;
 };
 
-inline void CellBuilder::keep_best(Candidates& candidates, const FarLights& others,
-                                   LightCell& cell) const {
+inline void CellBuilder::keep_best(Candidates& candidates, LightCell& cell) const {
     std::stable_sort(candidates.all.begin(), candidates.all.end(),
                      [](const Candidate& a, const Candidate& b) { return a.value() > b.value(); });
     constexpr double least = 0.01;  // of the light of all candidates, for being near
     double all = 0, sum = 0;
     for (const Candidate& c : candidates.all) all += static_cast<double>(c.value());
     std::vector<Candidate> near;
-    std::vector<float> weights(others.size() > 0 ? lights_.lights : 0);
-    for (std::uint32_t i = 0; i < weights.size(); ++i) {
-        if (!lights_.tree.holds(i)) continue;
-        const float arriving = candidates.arriving[lights_.tree.node_of(i)];
-        weights[i] = others.weight_of(i) * assumed_visibility(arriving, options_.floor);
-    }
     std::vector<std::pair<std::uint32_t, float>> far, clusters;
     for (const Candidate& c : candidates.all) {
         const auto value = static_cast<double>(c.value());
@@ -116,21 +106,15 @@ inline void CellBuilder::keep_best(Candidates& candidates, const FarLights& othe
             near.push_back(c);
             sum += value;
         }
-        if (!c.is_light()) {
-            clusters.emplace_back(c.cluster, weight);
-        } else if (!weights.empty()) {
-            weights[c.light] = weight;
-        } else {
+        if (c.is_light()) {
             far.emplace_back(c.light, weight);
+        } else {
+            clusters.emplace_back(c.cluster, weight);
         }
     }
-    cell.near = NearLights(near, lights_.tree, options_.floor);
+    cell.near = WeighedLights(near, lights_.tree, options_.floor);
     cell.clusters.assign(std::move(clusters));
-    if (weights.empty()) {
-        cell.far.assign(std::move(far));
-    } else {
-        cell.far.assign(weights);
-    }
+    cell.far.assign(std::move(far));
 }
 
 /// No light at infinity is left to the tail, as a normal that was not studied may face any of them.
@@ -147,18 +131,6 @@ inline void CellBuilder::weigh_infinite(const Candidates& infinite, LightCell& c
     const double scale = sum > 0 ? 0.1 * lights_.infinite_irradiance / sum : 1.0;
     for (float& w : weights) w *= static_cast<float>(std::max(scale, 1.0));
     cell.infinite.assign(weights);
-}
-
-/// What lights contribute where nothing is in between, if a study has asked all of them.
-inline FarLights unoccluded_weights(const LightStudy& study, const SceneLights& lights) {
-    std::vector<float> weights(lights.lights);
-    const std::span<const std::uint32_t> of_lanes = lights.every.lights();
-    for (std::size_t i = 0; i < study.means().size(); ++i) {
-        if (of_lanes[i] != LightTree8::none) weights[of_lanes[i]] = study.means()[i];
-    }
-    FarLights result;
-    result.assign(weights);
-    return result;
 }
 
 }  // namespace lucerna

@@ -10,7 +10,7 @@
 /// the horizon.
 #pragma once
 
-#include "plugins/light_samplers/light_lanes.h"
+#include "plugins/light_samplers/lights/light_lanes.h"
 
 namespace lucerna {
 

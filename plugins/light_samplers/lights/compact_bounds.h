@@ -4,7 +4,7 @@
 /// octahedron (Meyer et al. 2010), cosines down to multiples of 2 / 32767.
 #pragma once
 
-#include "plugins/light_samplers/light_tree.h"
+#include "plugins/light_samplers/lights/light_tree.h"
 
 #include <algorithm>
 #include <cmath>

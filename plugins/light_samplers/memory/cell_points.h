@@ -2,7 +2,7 @@
 /// Pilot points by the cells in which they lie.
 #pragma once
 
-#include "plugins/light_samplers/cell_grid.h"
+#include "plugins/light_samplers/memory/cell_grid.h"
 
 #include <algorithm>
 #include <vector>

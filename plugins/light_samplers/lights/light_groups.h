@@ -23,30 +23,36 @@ public:
     std::size_t infinite() const { return infinite_.size(); }
     bool at_infinity(std::uint32_t light) const { return group_of(light) != nullptr; }
 
-    /// Draws from a group for u in [0, 1); `pmf` is the probability within the group.
-    LightChoice draw(std::size_t group, double u) const {
+    /// What lights at infinity get of all draws where nothing else is known, after pbrt-v4;
+    /// `others`: there are lights that are somewhere.
+    float infinite_share(bool others) const {
+        const auto n = static_cast<float>(infinite());
+        return n > 0 ? n / (n + (others ? 1.0f : 0.0f)) : 0.0f;
+    }
+
+    /// Draws from a group, which is drawn with probability `scale`, for u in [0, 1).
+    LightChoice draw(std::size_t group, double u, float scale) const {
         if (group < infinite_.size()) {
             const Infinite& g = infinite_[group];
             const std::uint32_t i = g.choice.sample(u);
-            return {g.first + i, static_cast<float>(g.choice.pmf(i))};
+            return {g.first + i, scale * static_cast<float>(g.choice.pmf(i))};
         }
         auto light = static_cast<std::uint32_t>(group - infinite_.size());
         for (const Infinite& g : infinite_) {
             if (light >= g.first) light += g.count();
         }
-        return {light, 1};
+        return {light, scale};
     }
-    /// Draws from a group at infinity: number ⌊place⌋, for a place in [0, infinite()). `pmf` is for
-    /// groups that are drawn alike, and all of them together `draws` times.
-    LightChoice draw_infinite(double place, float draws) const {
-        const double group = std::min(std::floor(place), static_cast<double>(infinite()) - 1);
-        LightChoice choice = draw(static_cast<std::size_t>(group), place - group);
-        choice.pmf *= draws / static_cast<float>(infinite());
-        return choice;
+    /// Draws from one of the groups at infinity, all alike and `share` together, for u in [0, 1).
+    LightChoice draw_infinite(double u, float share) const {
+        const auto count = static_cast<double>(infinite());
+        const double group = std::min(std::floor(u * count), count - 1);
+        return draw(static_cast<std::size_t>(group), std::min(u * count - group, 1 - 0x1p-53),
+                    share / static_cast<float>(infinite()));
     }
     /// The number that `draw_infinite` reports for a light.
-    float infinite_pmf(std::uint32_t light, float draws) const {
-        return draws / static_cast<float>(infinite()) * pmf(light);
+    float infinite_pmf(std::uint32_t light, float share) const {
+        return share / static_cast<float>(infinite()) * pmf(light);
     }
     /// The probability of a light within its group.
     float pmf(std::uint32_t light) const {

@@ -13,9 +13,9 @@
 /// Lists hold the strongest lights until they cover a given part of the sum.
 #pragma once
 
-#include "plugins/light_samplers/cell_grid.h"
-#include "plugins/light_samplers/kept_lights.h"
-#include "plugins/light_samplers/pilot_paths.h"
+#include "plugins/light_samplers/learning/pilot_paths.h"
+#include "plugins/light_samplers/memory/cell_grid.h"
+#include "plugins/light_samplers/memory/kept_lights.h"
 
 #include <array>
 
@@ -41,8 +41,8 @@ struct CachePoint {
     static constexpr std::size_t axes = 6, all_around = 6;
     static constexpr std::size_t most_near = 64;
 
-    std::array<FarLights, axes + 1> lists;  ///< +x, −x, +y, …; then from all around
-    NearLights near;
+    std::array<WeightTable, axes + 1> lists;  ///< +x, −x, +y, …; then from all around
+    WeighedLights near;
     float infinite = 0;  ///< what lights at infinity cause together
     float tail = 1;      ///< share of draws for lights that are in no list
 };
@@ -145,7 +145,7 @@ inline CachePoint make_cache_point(const Scene& scene, const SceneLights& lights
         }
         lists[CachePoint::all_around].emplace_back(c.light, irradiance);
     }
-    point.near = NearLights(near, lights.tree, options.floor);
+    point.near = WeighedLights(near, lights.tree, options.floor);
     for (std::size_t k = 0; k < lists.size(); ++k) {
         auto& list = lists[k];
         std::stable_sort(list.begin(), list.end(),

@@ -6,7 +6,7 @@
 /// what all nodes contribute, or there are as many nodes as are allowed.
 #pragma once
 
-#include "plugins/light_samplers/light_bvh.h"
+#include "plugins/light_samplers/lights/light_bvh.h"
 
 #include <algorithm>
 #include <vector>
@@ -25,10 +25,11 @@ struct CutNode {
     }
 };
 
-/// Writes the nodes of a cut, in ascending order; `judge(node)` returns a CutNode.
+/// Writes the nodes of a cut, in ascending order, and returns how many; `judge(node)` returns a
+/// CutNode.
 template <typename Judge>
-void cut_tree(const LightBVH& tree, std::size_t most, float tolerance, const Judge& judge,
-              std::vector<std::uint32_t>& nodes) {
+std::size_t cut_tree(const LightBVH& tree, std::size_t most, float tolerance, const Judge& judge,
+                     std::uint32_t* nodes) {
     std::vector<CutNode> cut;  // a heap
     cut.reserve(most);
     double total = 0;
@@ -49,9 +50,9 @@ void cut_tree(const LightBVH& tree, std::size_t most, float tolerance, const Jud
         add(widest.node + 1);
         add(tree[widest.node].link);
     }
-    nodes.clear();
-    for (const CutNode& entry : cut) nodes.push_back(entry.node);
-    std::sort(nodes.begin(), nodes.end());
+    for (std::size_t i = 0; i < cut.size(); ++i) nodes[i] = cut[i].node;
+    std::sort(nodes, nodes + cut.size());
+    return cut.size();
 }
 
 /// What the lights below a node contribute, about: Φ cos θ' |cos θi'| / d² with the bounds of

@@ -14,7 +14,7 @@
 /// irradiance; no figure knows of shadows.
 #pragma once
 
-#include "plugins/light_samplers/light_tree.h"
+#include "plugins/light_samplers/lights/light_tree.h"
 
 #include <span>
 

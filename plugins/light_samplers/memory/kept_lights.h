@@ -2,15 +2,16 @@
 /// All lights that a place remembers, and how far they should be trusted.
 #pragma once
 
-#include "plugins/light_samplers/far_lights.h"
-#include "plugins/light_samplers/light_study.h"
+#include "plugins/light_samplers/learning/light_study.h"
+#include "plugins/light_samplers/memory/weighed_lights.h"
+#include "plugins/light_samplers/memory/weight_table.h"
 
 namespace lucerna {
 
 /// Lights that are kept, near ones and far ones, as one list.
 class KeptLights {
 public:
-    KeptLights(const NearLights& near, const FarLights& far) : near_(near), far_(far) {}
+    KeptLights(const WeighedLights& near, const WeightTable& far) : near_(near), far_(far) {}
 
     bool holds(std::uint32_t light) const {
         return near_.find(light) != near_.lights().size() || far_.weight_of(light) > 0;
@@ -27,24 +28,25 @@ public:
 private:
     /// Light and probability, for a place in [0, 1).
     std::optional<LightTree8::Choice> draw(const ReceiverRegion& at, double place) const {
-        std::vector<float> w(near_.lights().size());
-        near_.weigh(at, w.data());
-        const auto near = static_cast<double>(near_.total(w.data()));
+        const WeightsAt weights(near_, at);
+        const auto near = static_cast<double>(weights.total());
         const double total = near + static_cast<double>(far_.total());
+        const auto chosen = [&](std::uint32_t light, float weight) {
+            return LightTree8::Choice{light,
+                                      static_cast<float>(static_cast<double>(weight) / total)};
+        };
         place *= total;
         if (place < near) {
-            const std::size_t k = near_.draw(w.data(), place);
-            return LightTree8::Choice{near_.lights()[k],
-                                      static_cast<float>(static_cast<double>(w[k]) / total)};
+            const WeightsAt::Choice light = weights.draw(at, place);
+            return chosen(light.light, light.weight);
         }
         if (far_.size() == 0) return {};
-        const FarLights::Choice far = far_.draw(place - near);
-        return LightTree8::Choice{far.light,
-                                  static_cast<float>(static_cast<double>(far.weight) / total)};
+        const WeightTable::Choice far = far_.draw(place - near);
+        return chosen(far.light, far.weight);
     }
 
-    const NearLights& near_;
-    const FarLights& far_;
+    const WeighedLights& near_;
+    const WeightTable& far_;
 };
 
 inline float KeptLights::tail_share(LightStudy& study, const SceneLights& lights) const {

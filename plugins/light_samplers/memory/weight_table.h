@@ -16,7 +16,7 @@
 
 namespace lucerna {
 
-class FarLights {
+class WeightTable {
 public:
     struct Choice {
         std::uint32_t light;
@@ -75,7 +75,7 @@ private:
     float total_ = 0;
 };
 
-inline void FarLights::encode(std::span<const float> weights) {
+inline void WeightTable::encode(std::span<const float> weights) {
     const auto rounded = [](float w) {
         return (std::bit_cast<std::uint32_t>(w) + (1u << (mantissa_shift - 1))) >> mantissa_shift;
     };
@@ -100,7 +100,7 @@ inline void FarLights::encode(std::span<const float> weights) {
     total_ = static_cast<float>(sum);
 }
 
-inline void FarLights::assign(std::vector<std::pair<std::uint32_t, float>> lights) {
+inline void WeightTable::assign(std::vector<std::pair<std::uint32_t, float>> lights) {
     std::erase_if(lights, [](const auto& l) { return !(l.second > 0); });
     std::sort(lights.begin(), lights.end());
     lights_.clear();
@@ -113,12 +113,12 @@ inline void FarLights::assign(std::vector<std::pair<std::uint32_t, float>> light
     encode(weights);
 }
 
-inline void FarLights::assign(std::span<const float> weights) {
+inline void WeightTable::assign(std::span<const float> weights) {
     lights_.clear();
     encode(weights);
 }
 
-inline FarLights::Choice FarLights::draw(double place) const {
+inline WeightTable::Choice WeightTable::draw(double place) const {
     const auto it = std::upper_bound(until_.begin(), until_.end(), place);
     // Beyond the end by rounding: the last block that holds a light.
     const auto found =

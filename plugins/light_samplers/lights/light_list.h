@@ -4,7 +4,7 @@
 
 #include "core/scene/scene.h"
 #include "plugins/emitters/scene_sphere.h"
-#include "plugins/light_samplers/infinite_lanes.h"
+#include "plugins/light_samplers/lights/infinite_lanes.h"
 
 namespace lucerna {
 
