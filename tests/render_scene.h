@@ -106,7 +106,8 @@ testing::AssertionResult is_constant(const FilmState& film, double value, double
 /// clipping to the horizon).
 double polygon_irradiance(std::vector<Vector3d> vertices, Vector3d p, Vector3d n);
 
-/// An integrator `make(content)` that visits each of the lights of the scene `text` once.
+/// An integrator `make(content)` that samples at each point as many lights as the scene `text` has,
+/// stratified over all of them.
 template <typename Make>
 std::string with_all_lights(const Make& make, const std::string& text,
                             const std::filesystem::path& folder = ".") {

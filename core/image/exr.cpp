@@ -159,7 +159,8 @@ bool check_channels(const Imf::Header& header, const std::string& name) {
     if (channels.begin() == channels.end()) {
         throw FileError(fmt::format("{}: the image has no channels", name));
     }
-    const bool chroma = channels.findChannel("RY") || channels.findChannel("BY");
+    const bool chroma =
+        !channels.findChannel("R") && (channels.findChannel("RY") || channels.findChannel("BY"));
     for (const char* needed : {"Y", "RY", "BY"}) {
         if (chroma && !channels.findChannel(needed)) {
             throw FileError(
@@ -171,7 +172,7 @@ bool check_channels(const Imf::Header& header, const std::string& name) {
     for (auto it = channels.begin(); it != channels.end(); ++it) {
         const std::string channel = it.name();
         const int x = it.channel().xSampling, y = it.channel().ySampling;
-        const int expected = channel == "RY" || channel == "BY" ? 2 : 1;
+        const int expected = chroma && (channel == "RY" || channel == "BY") ? 2 : 1;
         if (x == expected && y == expected) continue;
         throw FileError(expected == 1
                             ? fmt::format("{}: channel \"{}\" is subsampled; save it at full "
@@ -221,7 +222,7 @@ void read_planes(Imf::InputFile& input, bool chroma_apart, ImageFile& file) {
 
 /// Red, green and blue of a file of luminance and chroma, by OpenEXR's own filter between the
 /// values of chroma.
-void read_luminance_chroma(Imf::IStream& stream, ImageFile& file) {
+void read_luminance_chroma(Imf::IStream& stream, const std::string& name, ImageFile& file) {
     stream.seekg(0);
     Imf::RgbaInputFile input(stream);
     const Imath::Box2i window = input.dataWindow();
@@ -229,11 +230,15 @@ void read_luminance_chroma(Imf::IStream& stream, ImageFile& file) {
     std::vector<Imf::Rgba> pixels(width * static_cast<std::size_t>(file.height));
     input.setFrameBuffer(Imf::ComputeBasePointer(pixels.data(), window), 1, width);
     input.readPixels(window.min.y, window.max.y);
-    const auto add = [&](const char* name, half Imf::Rgba::*component) {
+    const auto add = [&](const char* plane, half Imf::Rgba::*component) {
         std::vector<float> samples(pixels.size());
         std::ranges::transform(pixels, samples.begin(),
                                [&](const Imf::Rgba& pixel) { return pixel.*component; });
-        file.planes.push_back({.name = name, .samples = std::move(samples), .half = true});
+        if (!std::ranges::all_of(samples, [](float x) { return std::isfinite(x); })) {
+            throw FileError(fmt::format(
+                "{}: luminance and chroma give a colour above 65504; save it as RGB", name));
+        }
+        file.planes.push_back({.name = plane, .samples = std::move(samples), .half = true});
     };
     add("R", &Imf::Rgba::r);
     add("G", &Imf::Rgba::g);
@@ -276,7 +281,7 @@ ImageFile decode(std::span<const std::uint8_t> bytes, const std::string& name, C
     file.chromaticities = chromaticities_of(header);
     if (content == Content::header) return file;
     read_planes(input, chroma, file);
-    if (chroma) read_luminance_chroma(stream, file);
+    if (chroma) read_luminance_chroma(stream, name, file);
     return file;
 }
 

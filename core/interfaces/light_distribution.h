@@ -29,9 +29,9 @@ public:
     }
 
     /// Draws a light for u in [0, 1). Empty: none.
-    std::optional<LightChoice> sample(double u) const { return functions_->sample(memory_, u); }
+    std::optional<LightChoice> sample(double u) const { return functions_->sample(*this, u); }
     /// The number that `sample` reports as LightChoice::pmf for this light; 0 if it is not drawn.
-    float pmf(std::uint32_t light) const { return functions_->pmf(memory_, light); }
+    float pmf(std::uint32_t light) const { return functions_->pmf(*this, light); }
 
     /// Holds a distribution from now on: anything that has the two functions above.
     template <typename T>
@@ -40,8 +40,9 @@ public:
                       "a distribution is copied byte by byte: tables belong to the sampler");
         static_assert(sizeof(T) <= capacity,
                       "a distribution is small: tables belong to the sampler");
+        static_assert(alignof(T) <= alignment, "wide vectors belong to the sampler");
         functions_ = &functions_of<T>;
-        new (memory_) T(distribution);
+        std::memcpy(memory_, &distribution, sizeof(T));
     }
     /// What it holds, which must be a T.
     template <typename T>
@@ -50,27 +51,27 @@ public:
     }
 
 private:
+    static constexpr std::size_t alignment = 16;
+
     struct Functions {
-        std::optional<LightChoice> (*sample)(const std::byte* memory, double u);
-        float (*pmf)(const std::byte* memory, std::uint32_t light);
+        std::optional<LightChoice> (*sample)(const LightDistribution& lights, double u);
+        float (*pmf)(const LightDistribution& lights, std::uint32_t light);
         std::size_t bytes;
     };
     static constexpr Functions nothing{
-        .sample = [](const std::byte*, double) { return std::optional<LightChoice>(); },
-        .pmf = [](const std::byte*, std::uint32_t) { return 0.0f; },
+        .sample = [](const LightDistribution&, double) { return std::optional<LightChoice>(); },
+        .pmf = [](const LightDistribution&, std::uint32_t) { return 0.0f; },
         .bytes = 0};
     template <typename T>
     static constexpr Functions functions_of{
-        .sample =
-            [](const std::byte* memory, double u) {
-                return std::optional<LightChoice>(reinterpret_cast<const T*>(memory)->sample(u));
-            },
-        .pmf = [](const std::byte* memory,
-                  std::uint32_t light) { return reinterpret_cast<const T*>(memory)->pmf(light); },
+        .sample = [](const LightDistribution& lights,
+                     double u) { return std::optional<LightChoice>(lights.get<T>().sample(u)); },
+        .pmf = [](const LightDistribution& lights,
+                  std::uint32_t light) { return lights.get<T>().pmf(light); },
         .bytes = sizeof(T)};
 
     const Functions* functions_;
-    alignas(16) std::byte memory_[capacity];
+    alignas(alignment) std::byte memory_[capacity];
 };
 
 }  // namespace lucerna

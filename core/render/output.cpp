@@ -44,9 +44,10 @@ fs::path PicturePaths::other(const char* extension) const {
     return path.replace_extension(extension);
 }
 
-void PicturePaths::check() const {
+void PicturePaths::check(const char* own) const {
     check_writable(exr);
     check_writable(png);
+    check_writable(other(own));
 }
 
 PictureView picture_view(const std::string& name, double exposure) {

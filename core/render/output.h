@@ -22,8 +22,9 @@ struct PicturePaths {
     /// `output` with or without one of the extensions (".pfm", too); if it is empty, the scene's
     /// name, in the current directory.
     PicturePaths(std::filesystem::path output, const std::filesystem::path& scene);
-    /// Throws FileError if one of them could not be written: to be called before rendering.
-    void check() const;
+    /// Throws FileError if one of them, or that of extension `own`, could not be written: to be
+    /// called before rendering.
+    void check(const char* own = ".exr") const;
 };
 
 /// How the PNG shows the picture: see ColorConfig::display.

@@ -94,8 +94,9 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     };
     prepare_if(true);
     prepare_if(false);
+    // That of the first integrator; objects come after those that are nested in them.
     for (const auto& object : parts_.objects) {
-        // The last one: objects come after those that are nested in them.
+        if (light_sampler_ && dynamic_cast<const Integrator*>(object.get())) break;
         const auto* const sampler = dynamic_cast<const LightSampler*>(object.get());
         if (sampler) light_sampler_ = sampler;
     }

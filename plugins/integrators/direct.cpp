@@ -24,7 +24,8 @@ public:
 
 private:
     DirectIntegrator(const Params& params, int samples)
-        : emitter_samples_(params.int32("emitter_samples", samples, {.min = 0, .max = 1 << 16},
+        : emitter_samples_(params.int32("emitter_samples", samples,
+                                        {.min = 0, .max = most_light_samples},
                                         "samples of the lights at each point")),
           bsdf_samples_(params.int32("bsdf_samples", samples, {.min = 0, .max = 1 << 16},
                                      "samples of the BSDF at each point")),

@@ -95,6 +95,9 @@ inline Color found_emission(const Scene& scene, const PathVertex& before, const 
     return radiance * power_heuristic(before.pdf, density);
 }
 
+/// No integrator takes more light samples at a point.
+inline constexpr int most_light_samples = 1 << 16;
+
 /// Numbers of the sample stream that a light sample takes.
 inline constexpr std::uint32_t light_dimensions = 4;
 

@@ -29,7 +29,7 @@ public:
                               "paths are shared by blocks of so many by so many pixels, a power of "
                               "two; 1: pixels do not share; 0: what a few paths show to be best")),
           emitter_samples_(
-              params.int32("emitter_samples", 0, {.min = 0, .max = 1 << 20},
+              params.int32("emitter_samples", 0, {.min = 0, .max = most_light_samples},
                            "samples of lights at the first vertex; 0: what a few paths show to be "
                            "best")),
           chain_(params.int32("specular_chain", -1, {.min = -1, .max = 64},
@@ -284,7 +284,7 @@ bool PathIntegrator::scatter(const Scene& scene, Path& path, int step) const {
             path.chain.pass(scene, path.before, path.ray.d, at);
         }
         path.before.receiver = surface.receiver;
-        path.before.lights = path.lights;
+        if (!sample.specular()) path.before.lights = path.lights;
         path.before.pdf = sample.pdf;
         path.before.light_samples = static_cast<float>(light_samples);
         path.before.specular = sample.specular();

@@ -79,7 +79,8 @@ public:
     /// is not varied: light samples and a block above 0, a chain of 0 or more.
     template <typename Trace>
     PathSplitting find_best(PathSplitting given, Trace&& trace) const {
-        PathSplitting one{.light_samples = std::max(given.light_samples, 1),
+        // Very many tell no more of the rest than a few.
+        PathSplitting one{.light_samples = std::clamp(given.light_samples, 1, 8),
                           .chain = std::max(given.chain, 0)};
         PathNoise noise = measure(one, trace);
         if (given.chain < 0) {

@@ -30,8 +30,9 @@ struct PathLimits {
 
 /// How many lights are sampled at a vertex of a camera path.
 inline std::uint32_t emitter_samples(const Params& params) {
-    return static_cast<std::uint32_t>(params.int32("emitter_samples", 1, {.min = 1, .max = 1 << 20},
-                                                   "samples of lights at each point"));
+    return static_cast<std::uint32_t>(
+        params.int32("emitter_samples", 1, {.min = 1, .max = most_light_samples},
+                     "samples of lights at each point that the camera sees"));
 }
 
 /// Where light is gathered on a path from the camera.

@@ -100,20 +100,16 @@ inline bool has_scattering_media(const Scene& scene) {
 }
 
 /// Where photons can be scattered by media: around all shapes that have them inside; around the
-/// whole scene if a medium is inside of none.
+/// whole scene if a medium is outside of a shape or around the camera, too.
 inline Bounds3 media_bounds(const Scene& scene) {
+    const auto scatters = [](const Medium* medium) { return medium && medium->may_scatter(); };
     Bounds3 bounds;
-    std::vector<const Medium*> enclosed;
+    bool enclosed = !scatters(scene.sensor().medium());
     for (const Shape* shape : scene.shapes()) {
-        const Medium* medium = shape->media().interior;
-        if (!medium || !medium->may_scatter()) continue;
-        bounds.include(shape->bounds());
-        enclosed.push_back(medium);
+        enclosed &= !scatters(shape->media().exterior);
+        if (scatters(shape->media().interior)) bounds.include(shape->bounds());
     }
-    const auto is_enclosed = [&](const Medium* medium) {
-        return !medium->may_scatter() || std::ranges::find(enclosed, medium) != enclosed.end();
-    };
-    return std::ranges::all_of(scene.media(), is_enclosed) ? bounds : scene.bounds();
+    return enclosed ? bounds : scene.bounds();
 }
 
 /// Media are no lights: nothing leaves them as a photon.

@@ -329,7 +329,7 @@ Color PhotonMapIntegrator::gather_ray(const Scene& scene, const Maps& maps, cons
         if (distance < maps.global.radius()) {
             LightDistribution lights;
             const GatherPoint there{at, wo, edges, medium, point.rng, lights};
-            sum += beta * sample_lights(scene, light_sampler_, emitter_samples_, there, stream);
+            sum += beta * sample_lights(scene, light_sampler_, 1, there, stream);
         } else {
             sum += beta * radiance(maps.global, at, wo, edges);
             may_be_smooth = false;

@@ -35,9 +35,8 @@ public:
                                  "edges before Russian roulette may end a path; 0: 5, in scenes "
                                  "with media 1")),
           emitter_samples_(
-              params.int32("emitter_samples", 0, {.min = 0, .max = 64},
-                           "samples of lights at each vertex; 0: 1, in scenes with media "
-                           "2 (1 if a sample is more than 8 lights)")),
+              params.int32("emitter_samples", 0, {.min = 0, .max = most_light_samples},
+                           "samples of lights at each vertex; 0: 1, in scenes with media 2")),
           reuse_(params.int32("reuse", 0, {.min = 0, .max = 16},
                               "paths are shared by blocks of so many by so many pixels, a power of "
                               "two; 1: pixels do not share; 0: 1, in scenes with media what a few "

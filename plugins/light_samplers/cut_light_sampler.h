@@ -25,7 +25,7 @@ public:
 
     explicit CutLightSampler(const Params& params)
         : parts_(static_cast<std::size_t>(params.int32(
-              "parts", 8, {.min = 1, .max = static_cast<double>(most_nodes)},
+              "parts", 8, {.min = 2, .max = static_cast<double>(most_nodes)},
               "most parts of the lights at a point; one of them is at infinity if there are such "
               "lights"))),
           rule_(params) {}
@@ -51,8 +51,7 @@ public:
         Distribution result{this, receiver, 0, {}};
         const auto judge = [&](std::uint32_t node) { return rule_.judge(tree_, node, receiver); };
         const std::size_t infinite = groups_.infinite() > 0 ? 1 : 0;
-        const std::size_t most = std::max(parts_ - infinite, std::size_t{1});
-        result.count = cut_tree(tree_, most, rule_.tolerance(), judge, result.nodes);
+        result.count = cut_tree(tree_, parts_ - infinite, rule_.tolerance(), judge, result.nodes);
         return result;
     }
     std::size_t bytes() const override { return tree_.bytes() + rule_.bytes(); }

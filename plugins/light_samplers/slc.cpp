@@ -4,7 +4,7 @@
 /// With the bounds of power and cosines P = Φ cos θ' |cos θi'| (light_bvh.h), the nearest and the
 /// farthest distance of a node, dₙ and d_f, and its contribution C (light_cut.h), the node of the
 /// largest bound P / dₙ² is divided, until that is below `error` times Σ C, or the cut has as many
-/// nodes as there are draws. The sum stands for the estimate of the light that the paper compares
+/// nodes as `parts` allows. The sum stands for the estimate of the light that the paper compares
 /// with, so that the cut does not depend on chance. Below the cut a walk takes a child with the
 /// mean of two probabilities, one in proportion to P / dₙ², the other to P / d_f²; where the point
 /// is inside of both children, the first is in proportion to P. Distances are to spheres around the

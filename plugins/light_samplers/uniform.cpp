@@ -2,8 +2,8 @@
 /// uniform: every light with the same probability, P(l) = 1 / n. An environment map counts as one.
 ///
 /// The simplest sampler, best for one light or a few equal ones; its variance grows with the
-/// number of lights. With as many draws at a point as there are lights, each is drawn once: the
-/// plain ray tracer that visits every light.
+/// number of lights. With as many draws at a point as there are lights (or environments), each is
+/// drawn once: the plain ray tracer that visits every light.
 #include "plugins/light_samplers/lights/light_groups.h"
 
 namespace lucerna {

@@ -118,6 +118,12 @@ TEST_F(CheckCommandTest, light_sampler_that_forgets_lights_is_found) {
     EXPECT_THAT(outcome.output, HasSubstr("and is never drawn there"));
 }
 
+TEST_F(CheckCommandTest, light_that_is_lost_by_its_weights_is_found) {
+    const Outcome outcome = check_faulty("light_sampler/lost_light");
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.output, testing::ContainsRegex("as often as their weights say .*BROKEN"));
+}
+
 TEST_F(CheckCommandTest, phase_that_loses_light_is_found) {
     const Outcome outcome = check_faulty("phase/absorbing");
     EXPECT_EQ(outcome.code, 1);

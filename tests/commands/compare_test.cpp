@@ -204,7 +204,7 @@ TEST_F(CompareCommandTest, RefusesNonsense) {
     refuses({"--spp", "1", "--vary", "integrator.light_sampler=power"}, "only one variant");
     refuses({"--spp", "1", "--vary", "integrator.light_sampler=power,"}, "empty value");
     refuses({"--spp", "1", "--vary", vary, "--vary", vary}, "given twice");
-    refuses({"--spp", "1", "--vary", vary, "--set", "integrator.light_sampler=all"}, "also --set");
+    refuses({"--spp", "1", "--vary", vary, "--set", "integrator.light_sampler=bvh"}, "also --set");
     refuses({"--vary", vary}, "one of --time, --spp and --error");
     refuses({"--vary", vary, "--spp", "1", "--time", "1"}, "one of --time, --spp and --error");
     refuses({"--vary", vary, "--spp", "1", "--repeats", "1"}, "--repeats");

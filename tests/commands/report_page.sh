@@ -17,7 +17,7 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
 "$lucerna" compare "$root/scenes/cornell-box/scene.xml" --resolution 48x40 --spp 2 --repeats 3 \
-    --vary integrator.light_sampler=uniform,power,all --quiet -o "$scratch/out" --parts
+    --vary integrator.light_sampler=uniform,power,exhaustive --quiet -o "$scratch/out" --parts
 "$lucerna" farm "$scratch/out" --local 2 --quiet
 
 # A copy of the page with an ear for errors at its head and a visitor at its end.

@@ -108,7 +108,9 @@ TEST(LightOracle, agrees_with_the_variance_of_real_draws) {
     for (const char* name : {"uniform", "power", "bvh", "exhaustive", "ris"}) {
         const TestScene test = scene_with(squares, name);
         const LightSampler& sampler = *test.scene().light_sampler();
-        const RunningStatistics told = variances(many_times(test.scene(), 1000, 2000), sampler);
+        // What estimates one over its probabilities is judged by many draws each time.
+        const int times = std::string(name) == "ris" ? 200 : 2000;
+        const RunningStatistics told = variances(many_times(test.scene(), 1000, times), sampler);
         EXPECT_TRUE(agree(told, squared_deviations(test.scene(), sampler), 0.02)) << name;
     }
 }

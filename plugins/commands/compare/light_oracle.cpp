@@ -186,7 +186,7 @@ namespace {
 /// For each light that is drawn, the mean over draws of LightChoice::weight², zero if the light is
 /// another one. Empty: weights are 1 / pmf, and the means are, too.
 std::unordered_map<std::uint32_t, double> squared_weights(const LightDistribution& lights) {
-    constexpr int draws = 4096, tried = 16;
+    constexpr int draws = 1 << 16, tried = 16;
     std::unordered_map<std::uint32_t, double> means;
     bool exact = true;
     for (int i = 0; i < tried; ++i) {

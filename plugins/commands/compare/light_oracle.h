@@ -11,7 +11,7 @@
 /// so that one evaluation of all lights judges every sampler that tells its probabilities. What
 /// remains at the bound is the noise of the samples on the lights. `unoccluded` is P ∝ √m₂ where m₂
 /// knows no shadows: the best that looks at geometry alone. For samplers that estimate 1 / P, 1 / P
-/// is the mean of the squared weights of a light, of 4096 draws.
+/// is the mean of the squared weights of a light, of 65,536 draws.
 ///
 /// The m are estimated from two independent, stratified halves A and B of samples; c² is c_A c_B,
 /// without bias. In scenes of very many lights only some of them, with probabilities q in

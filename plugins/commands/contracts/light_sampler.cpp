@@ -130,8 +130,10 @@ Evidence draw_frequencies(const LightSamplerTrial& trial, const Effort& effort) 
             evidence.test(chi_square(observed, expected), "at " + text(at) + " (χ²)");
             continue;
         }
-        for (std::size_t i = 0; i < count; ++i) {
-            if (observed[i] < 50) continue;  // too few for a normal distribution
+        for (std::uint32_t i = 0; i < count; ++i) {
+            // Fewer are too few for a normal distribution.
+            if (trials * static_cast<double>(lights.pmf(i)) < 50) continue;
+            if (!contributes(trial.scene, trial.scene.lights()[i], at, false)) continue;
             evidence.test(mean_is(weights[i], 1),
                           fmt::format("weights of light {} at {}", i, text(at)));
         }

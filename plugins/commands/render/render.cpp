@@ -123,7 +123,7 @@ int Rendering::run() {
 }
 
 void Rendering::check_files() const {
-    paths_.check();
+    paths_.check(session_.scene().sensor().film().extension());
     if (!request_.checkpoint.empty()) check_writable(request_.checkpoint);
 }
 

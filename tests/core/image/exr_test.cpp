@@ -248,7 +248,8 @@ TEST(Exr, P3_DamagedLuminanceAndChromaAreErrors) {
     using namespace std::string_view_literals;
     const auto message = [](const Bytes& bytes) { return file_error([&] { decode(bytes); }); };
     Bytes renamed = luminance_chroma();
-    *std::ranges::search(renamed, "BY\0"sv).begin() = 'C';
+    constexpr std::string_view name = "BY\0"sv;
+    *std::search(renamed.begin(), renamed.end(), name.begin(), name.end()) = 'C';
     EXPECT_NE(message(renamed).find("no channel \"BY\"; save it as RGB"), std::string::npos);
     // A channel: name, type, four bytes, sampling in x, sampling in y.
     const Bytes fine = patched(luminance_chroma(), "BY\0"sv, 8, {1, 1});
