@@ -63,12 +63,16 @@ private:
         .pmf = [](const LightDistribution&, std::uint32_t) { return 0.0f; },
         .bytes = 0};
     template <typename T>
+    static std::optional<LightChoice> sample_from(const LightDistribution& lights, double u) {
+        return lights.get<T>().sample(u);
+    }
+    template <typename T>
+    static float pmf_of(const LightDistribution& lights, std::uint32_t light) {
+        return lights.get<T>().pmf(light);
+    }
+    template <typename T>
     static constexpr Functions functions_of{
-        .sample = [](const LightDistribution& lights,
-                     double u) { return std::optional<LightChoice>(lights.get<T>().sample(u)); },
-        .pmf = [](const LightDistribution& lights,
-                  std::uint32_t light) { return lights.get<T>().pmf(light); },
-        .bytes = sizeof(T)};
+        .sample = sample_from<T>, .pmf = pmf_of<T>, .bytes = sizeof(T)};
 
     const Functions* functions_;
     alignas(alignment) std::byte memory_[capacity];
