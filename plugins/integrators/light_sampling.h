@@ -196,7 +196,7 @@ inline Color sample_lights(const Scene& scene, const LightSampler& sampler, cons
     if (!surface.samples_lights) return Color(0);
     lights = sampler.at(surface.receiver);
     const auto count = static_cast<float>(light_samples);
-    ColorD sum(0);  // in double: there may be a million samples
+    ColorD sum(0);  // in double: there may be many samples
     LightEstimate estimate;
     for (std::uint32_t i = 0; i < light_samples; ++i) {
         const float u_light = stream.next_2d().x;

@@ -91,7 +91,7 @@ void visit_light_samples(const Scene& scene, const LightDistribution& lights, co
 
 /// What light samples add up to.
 struct DirectLight {
-    ColorD sum{0};  ///< in double: there may be a million samples
+    ColorD sum{0};  ///< in double: there may be many samples
 
     void operator()(const LightEstimate& light, Color arriving) {
         sum += ColorD(arriving * light.sample.radiance * light.response);

@@ -209,7 +209,7 @@ void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) co
         path->u_direction = stream.next_2d();
         path->u_lobe_and_roulette = stream.next_2d();
         path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
-        path->direct = ColorD(0);  // in double: there may be a million samples
+        path->direct = ColorD(0);  // in double: there may be many samples
         if (path->depth == 0 && !path->surface->samples_lights) path->kept = nullptr;
         if (path->kept && path->depth < 2) keep_vertex(*path);
     }
