@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/description/overrides.h"
 
-#include "core/description/default_types.h"
+#include "core/description/kinds.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/plugin/registry.h"
 
-#include "core/description/default_types.h"
+#include "core/description/kinds.h"
 #include "core/plugin/build_context.h"
 #include "core/plugin/former_names.h"
 #include "core/plugin/library.h"
@@ -19,21 +19,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Kind {
-    std::string_view name, folder;
-};
-
-constexpr std::array kinds{
-    Kind{"integrator", "integrators"}, Kind{"light_sampler", "light_samplers"},
-    Kind{"shape", "shapes"},           Kind{"bsdf", "bsdfs"},
-    Kind{"emitter", "emitters"},       Kind{"texture", "textures"},
-    Kind{"medium", "media"},           Kind{"phase", "phases"},
-    Kind{"volume", "volumes"},         Kind{"sensor", "sensors"},
-    Kind{"sampler", "samplers"},       Kind{"film", "films"},
-    Kind{"rfilter", "rfilters"},       Kind{"command", "commands"},
-    Kind{"preview", "previews"},
-};
-
 struct Alias {
     std::string_view kind, alias, name;
 };
@@ -48,12 +33,6 @@ constexpr std::array aliases{
     Alias{"sampler", "bush", "orthogonal"},
     Alias{"sampler", "ldsampler", "sobol"},
 };
-
-const Kind* find_kind(std::string_view name) {
-    const auto found = std::find_if(kinds.begin(), kinds.end(),
-                                    [&](const Kind& kind) { return kind.name == name; });
-    return found == kinds.end() ? nullptr : &*found;
-}
 
 constexpr std::size_t longest_name = 100;
 

@@ -21,11 +21,9 @@ namespace lucerna {
 template <typename Rule>
 class CutLightSampler final : public LightSampler {
 public:
-    static constexpr std::size_t most_nodes = 64;
-
     explicit CutLightSampler(const Params& params)
         : parts_(static_cast<std::size_t>(params.int32(
-              "parts", 8, {.min = 2, .max = static_cast<double>(most_nodes)},
+              "parts", 8, {.min = 2, .max = static_cast<double>(most_cut_nodes)},
               "most parts of the lights at a point; one of them is at infinity if there are such "
               "lights"))),
           rule_(params) {}
@@ -44,8 +42,8 @@ public:
 
         const CutLightSampler* sampler;
         Receiver receiver;
-        std::size_t count;                ///< of the nodes of the cut
-        std::uint32_t nodes[most_nodes];  ///< in ascending order
+        std::size_t count;                    ///< of the nodes of the cut
+        std::uint32_t nodes[most_cut_nodes];  ///< in ascending order
     };
     Distribution at(const Receiver& receiver) const {
         Distribution result{this, receiver, 0, {}};

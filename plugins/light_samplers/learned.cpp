@@ -18,8 +18,6 @@ namespace lucerna {
 
 namespace {
 
-constexpr std::size_t most_clusters = 64;
-
 class LearnedLightSampler final : public LightSampler {
 public:
     explicit LearnedLightSampler(const Params& params);
@@ -38,7 +36,7 @@ public:
         Receiver receiver;
         const LightRegion* region;
         float total;
-        float weights[most_clusters];  ///< of the clusters of the region
+        float weights[most_cut_nodes];  ///< of the clusters of the region
     };
     Distribution at(const Receiver& receiver) const;
 
@@ -70,7 +68,7 @@ private:
 
 LearnedLightSampler::LearnedLightSampler(const Params& params) {
     clusters_ = static_cast<std::size_t>(
-        params.int32("clusters", 64, {.min = 1, .max = static_cast<double>(most_clusters)},
+        params.int32("clusters", 64, {.min = 1, .max = static_cast<double>(most_cut_nodes)},
                      "of lights that a region knows"));
     rays_ = params.int32("rays_per_cluster", 4, {.min = 0, .max = 1024},
                          "shadow rays that a region learns from, for each of those");

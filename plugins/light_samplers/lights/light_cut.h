@@ -9,7 +9,7 @@
 #include "plugins/light_samplers/lights/light_bvh.h"
 
 #include <algorithm>
-#include <vector>
+#include <array>
 
 namespace lucerna {
 
@@ -25,34 +25,36 @@ struct CutNode {
     }
 };
 
-/// Writes the nodes of a cut, in ascending order, and returns how many; `judge(node)` returns a
-/// CutNode.
+/// Nodes of the largest cut.
+inline constexpr std::size_t most_cut_nodes = 64;
+
+/// Writes the nodes of a cut, no more than `most`, in ascending order, and returns how many;
+/// `judge(node)` returns a CutNode.
 template <typename Judge>
 std::size_t cut_tree(const LightBVH& tree, std::size_t most, float tolerance, const Judge& judge,
                      std::uint32_t* nodes) {
-    std::vector<CutNode> cut;  // a heap
-    cut.reserve(most);
+    std::array<CutNode, most_cut_nodes> cut;  // a heap
+    std::size_t count = 0;
     double total = 0;
     const auto add = [&](std::uint32_t node) {
         const CutNode judged = judge(node);
         if (!(judged.contribution > 0)) return;
-        cut.push_back(judged);
-        std::push_heap(cut.begin(), cut.end());
+        cut[count++] = judged;
+        std::push_heap(cut.data(), cut.data() + count);
         total += static_cast<double>(judged.contribution);
     };
     if (!tree.empty()) add(0);
-    while (!cut.empty() && cut.size() < most) {
+    while (count > 0 && count < std::min(most, most_cut_nodes)) {
         const CutNode widest = cut.front();
         if (!(static_cast<double>(widest.error) > static_cast<double>(tolerance) * total)) break;
-        std::pop_heap(cut.begin(), cut.end());
-        cut.pop_back();
+        std::pop_heap(cut.data(), cut.data() + count--);
         total -= static_cast<double>(widest.contribution);
         add(widest.node + 1);
         add(tree[widest.node].link);
     }
-    for (std::size_t i = 0; i < cut.size(); ++i) nodes[i] = cut[i].node;
-    std::sort(nodes, nodes + cut.size());
-    return cut.size();
+    for (std::size_t i = 0; i < count; ++i) nodes[i] = cut[i].node;
+    std::sort(nodes, nodes + count);
+    return count;
 }
 
 /// What the lights below a node contribute, about: Φ cos θ' |cos θi'| / d² with the bounds of
