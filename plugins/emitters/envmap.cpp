@@ -10,10 +10,10 @@
 /// on average, times sin θ: so it is positive wherever the light is. Large pictures are many lights
 /// (map_patches.h); p is then that of the light's patch.
 #include "plugins/emitters/map_patches.h"
+#include "plugins/emitters/map_texels.h"
 #include "plugins/emitters/scene_sphere.h"
 #include "plugins/emitters/sphere_map.h"
 
-#include "core/base/huge_pages.h"
 #include "core/image/color.h"
 #include "core/image/read_image.h"
 #include "core/interfaces/emitter.h"
@@ -29,7 +29,7 @@ class EnvironmentMap final : public Emitter {
 public:
     explicit EnvironmentMap(const Params& params) {
         const auto path = params.file("filename", "picture of the sphere, 2:1");
-        const float scale = params.real("scale", 1, non_negative, "factor of its radiance");
+        scale_ = params.real("scale", 1, non_negative, "factor of its radiance");
         const Transform to_world = params.transform("to_world", "turns the map; +y is up in it");
         params.no_effect("mis_compensation", "the map is sampled in proportion to its luminance");
         params.no_effect("sampling_weight", "lights are chosen by the light_sampler");
@@ -42,12 +42,12 @@ public:
             params.warning("filename", fmt::format("{}: {}", path.string(), image.notice));
         }
         ColorConfig().to_rendering(image);
-        const std::size_t bad = take_texels(image, scale);
+        const std::size_t bad = take_texels(image);
         if (bad > 0) {
             params.warning("filename",
                            fmt::format("{}: {} of {} texels are negative or not finite; such "
                                        "values are taken as 0",
-                                       path.string(), bad, texels_.size()));
+                                       path.string(), bad, image.pixel_count()));
         }
         build_table();
     }
@@ -99,25 +99,27 @@ public:
 private:
     /// Copies the colours; returns the number of texels that cannot be. Channels just below zero
     /// come from conversions between colour spaces.
-    std::size_t take_texels(const Image& image, float scale) {
+    std::size_t take_texels(const Image& image) {
         constexpr float tolerance = 1e-5f;
         width_ = image.width;
         height_ = image.height;
-        texels_.resize(image.pixel_count());
+        std::vector<Color> colors(image.pixel_count());
         std::size_t bad = 0;
-        for (std::size_t i = 0; i < texels_.size(); ++i) {
-            const Color c = scale * image.rgb(i);
-            const bool finite = is_finite(c);
-            texels_[i] = finite ? glm::max(c, Color(0)) : Color(0);
+        for (std::size_t i = 0; i < colors.size(); ++i) {
+            const Color c = image.rgb(i);
+            const bool finite = is_finite(scale_ * c);
+            colors[i] = finite ? glm::max(c, Color(0)) : Color(0);
             bad += !finite || min_component(c) < -tolerance * max_component(absolute(c));
         }
+        texels_ = MapTexels(colors, width_);
         return bad;
     }
 
     /// The weight of a texel is the flux through its solid angle of the interpolated map. The mean
     /// of a linear interpolation over a texel is 1/8, 6/8, 1/8 of its neighbours and of itself.
     void build_table() {
-        std::vector<float> weights(texels_.size());
+        std::vector<float> weights(static_cast<std::size_t>(width_) *
+                                   static_cast<std::size_t>(height_));
         const double step = std::numbers::pi / height_;
         for (int y = 0; y < height_; ++y) {
             const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
@@ -140,10 +142,7 @@ private:
         patches_ = MapPatches(weights, width_, height_);
     }
 
-    Color texel(int x, int y) const {
-        return texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                       static_cast<std::size_t>(x)];
-    }
+    Color texel(int x, int y) const { return scale_ * to_vector3(texels_(x, y)); }
 
     /// Bilinear; periodic in u, constant beyond the centres of the first and last rows.
     Color lookup(Vector2 uv) const {
@@ -155,13 +154,15 @@ private:
         const int y0 = std::clamp(static_cast<int>(above), 0, height_ - 1);
         const int y1 = std::clamp(static_cast<int>(above) + 1, 0, height_ - 1);
         const float s = x - left, t = y - above;
-        return (1 - t) * ((1 - s) * texel(x0, y0) + s * texel(x1, y0)) +
-               t * ((1 - s) * texel(x0, y1) + s * texel(x1, y1));
+        const FourFloats upper = (1 - s) * texels_(x0, y0) + s * texels_(x1, y0);
+        const FourFloats lower = (1 - s) * texels_(x0, y1) + s * texels_(x1, y1);
+        return to_vector3(scale_ * ((1 - t) * upper + t * lower));
     }
 
     Frame world_from_map_;
     int width_ = 0, height_ = 0;
-    std::vector<Color, HugePages<Color>> texels_;
+    float scale_ = 1;  ///< of the texels
+    MapTexels texels_;
     MapPatches patches_;
     SceneSphere sphere_;
 };

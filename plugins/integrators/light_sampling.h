@@ -110,15 +110,14 @@ struct LightEstimate {
     float weight = 0;   ///< what radiance · f |cos θ| is multiplied by, but for those weights
     Color response{0};  ///< what radiance is multiplied by, with them: f |cos θ| w weight
 
-    /// Sets all but what the surface or the medium tells.
-    void weigh(const LightChoice& choice, const LightSample& light, float scattered_pdf,
-               float light_samples, float scatter_samples) {
-        sample = light;
-        density = choice.pmf * light.pdf;
-        weight = choice.weight / light.pdf;
-        const float mis =
-            light.delta ? 1.0f
-                        : power_heuristic(light_samples * density, scatter_samples * scattered_pdf);
+    /// Sets all but the sample and what the surface or the medium tells.
+    void weigh(const LightChoice& choice, float scattered_pdf, float light_samples,
+               float scatter_samples) {
+        density = choice.pmf * sample.pdf;
+        weight = choice.weight / sample.pdf;
+        const float mis = sample.delta ? 1.0f
+                                       : power_heuristic(light_samples * density,
+                                                         scatter_samples * scattered_pdf);
         response = Color(mis * weight);
     }
 };
@@ -162,29 +161,43 @@ inline void choose_lights(const Scene& scene, const LightSampler& sampler,
     }
 }
 
-/// What the light of a choice adds, weighted against `bsdf_samples` samples of the BSDF; the caller
-/// takes the mean of `light_samples` of them. False: nothing can arrive, or be scattered towards
-/// the viewer, unless it counts `for_others`, too.
-inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitSurface& surface,
-                         Vector2 u, float light_samples, float bsdf_samples, LightEstimate& result,
-                         bool for_others = false) {
-    const Interaction& at = surface.at;
+/// The first step of a light sample: a point on the light of a choice, or a direction to it. False:
+/// nothing can arrive from there.
+inline bool sample_li(const Scene& scene, const LightChoice& choice, const Receiver& receiver,
+                      Vector2 u, LightSample& result) {
     const Light& light = scene.lights()[choice.light];
-    const std::optional<LightSample> sample = light.emitter->sample_li(light, surface.receiver, u);
-    if (!sample) return false;
-    const Vector3 wi_local = at.to_local(sample->wi);
-    if (!same_side(at, sample->wi, wi_local)) return false;
+    const std::optional<LightSample> sample = light.emitter->sample_li(light, receiver, u);
+    if (sample) result = *sample;
+    return sample.has_value();
+}
+
+/// The second step: what `result.sample` adds if nothing lies between, weighted against
+/// `bsdf_samples` samples of the BSDF; the caller takes the mean of `light_samples` of them. False:
+/// nothing is scattered towards the viewer, unless it counts `for_others`, too.
+inline bool weigh_light(const LightChoice& choice, const LitSurface& surface, float light_samples,
+                        float bsdf_samples, bool for_others, LightEstimate& result) {
+    const Interaction& at = surface.at;
+    const Vector3 wi = result.sample.wi, wi_local = at.to_local(wi);
+    if (!same_side(at, wi, wi_local)) return false;
     const BSDFValue value =
         surface.bsdf.evaluate(at, surface.wo_local, wi_local, TransportMode::radiance);
     if (is_black(value.f)) {
         const bool reflected = wi_local.z * surface.wo_local.z > 0;
         if (!for_others || !(reflected || surface.receiver.sides == Sides::both)) return false;
     }
-    result.weigh(choice, *sample, value.pdf, light_samples, bsdf_samples);
+    result.weigh(choice, value.pdf, light_samples, bsdf_samples);
     result.wi_local = wi_local;
     result.scattered = value;
     result.response *= value.f * abs_cos_theta(wi_local);
     return true;
+}
+
+/// Both steps.
+inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitSurface& surface,
+                         Vector2 u, float light_samples, float bsdf_samples, LightEstimate& result,
+                         bool for_others = false) {
+    return sample_li(scene, choice, surface.receiver, u, result.sample) &&
+           weigh_light(choice, surface, light_samples, bsdf_samples, for_others, result);
 }
 
 /// Direct light at `at` towards `wo` by `light_samples` light samples. Fills `lights`, the

@@ -41,13 +41,13 @@ struct SurfaceInMedium {
 inline bool sample_light(const Scene& scene, const LightChoice& choice, const LitPoint& point,
                          Vector2 u, float light_samples, float phase_samples, LightEstimate& result,
                          bool for_others = false) {
-    const Light& light = scene.lights()[choice.light];
-    const std::optional<LightSample> sample = light.emitter->sample_li(light, point.receiver, u);
-    if (!sample || is_black(sample->radiance)) return false;
-    const PhaseValue value = point.phase.evaluate(point.receiver.p, point.wo, sample->wi);
+    const LightSample& sample = result.sample;
+    if (!sample_li(scene, choice, point.receiver, u, result.sample)) return false;
+    if (is_black(sample.radiance)) return false;
+    const PhaseValue value = point.phase.evaluate(point.receiver.p, point.wo, sample.wi);
     if (!(value.f > 0) && !for_others) return false;
-    result.weigh(choice, *sample, value.pdf, light_samples, phase_samples);
-    result.wi_local = sample->wi;
+    result.weigh(choice, value.pdf, light_samples, phase_samples);
+    result.wi_local = sample.wi;
     result.scattered = {.f = Color(value.f), .pdf = value.pdf};
     result.response *= value.f;
     return true;

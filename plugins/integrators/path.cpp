@@ -63,6 +63,9 @@ private:
               light_samples(static_cast<std::uint32_t>(splitting.light_samples)),
               chain(splitting.chain) {}
 
+        PathVertex& here() { return vertices[turn]; }
+        PathVertex& before() { return vertices[1 - turn]; }
+
         /// Radiance that arrives at the last vertex.
         void add(Color arriving) {
             if (beyond_second) {
@@ -85,7 +88,8 @@ private:
         CameraSample* sample;
         std::uint32_t dimension = camera_dimensions;  ///< of the sample stream, at the next step
         std::uint32_t light_samples;                  ///< at the next step
-        PathVertex before;
+        PathVertex vertices[2];                       ///< in turn
+        int turn = 0;
         SpecularChain chain;     ///< since the vertex before
         int depth = 0;           ///< vertices before the one that comes
         float seen_through = 1;  ///< of what lies before the first vertex
@@ -93,10 +97,9 @@ private:
         float eta2 = 1;  ///< undoes the scaling of radiance by refraction, for Russian roulette
         Vector2 u_direction{0}, u_lobe_and_roulette{0};
         std::optional<LitSurface> surface;
-        LightDistribution lights;  ///< at `surface`, if it samples lights
-        Vector2 u_light{0};        ///< place on the light
+        Vector2 u_light{0};  ///< place on the light
         LightEstimate light;
-        ColorD direct{0};
+        ColorD direct{0};  ///< sum of light samples, in double: there may be many
 
         ReusablePath* kept = nullptr;  ///< for other pixels; null if they cannot use it
         bool beyond_second = false;    ///< what is found counts from the second vertex on:
@@ -110,7 +113,9 @@ private:
     void add_found_light(const Scene& scene, Path& path) const;
     static void keep_vertex(Path& path);
     Color arriving_radiance(const Scene& scene, const Path& path) const;
+    Paths begin_light_sampling(const Paths& paths) const;
     void add_direct_light(const Scene& scene, const Paths& paths) const;
+    void add_light_sample(const Scene& scene, const LightChoice& choice, Path& path) const;
     bool scatter(const Scene& scene, Path& path, int step) const;
     static void leave_kept_vertex(Path& path, const BSDFSample& next);
     static bool survive(Path& path);
@@ -140,8 +145,8 @@ void PathIntegrator::prepare(const Scene& scene) {
 /// Adds what is emitted where the ray ends.
 void PathIntegrator::add_found_light(const Scene& scene, Path& path) const {
     if (path.depth == 0 && hide_emitters_) return;
-    const Color found = path.hit ? found_emission(scene, path.before, *path.hit, -path.ray.d)
-                                 : found_environment(scene, path.before, path.ray.d);
+    const Color found = path.hit ? found_emission(scene, path.before(), *path.hit, -path.ray.d)
+                                 : found_environment(scene, path.before(), path.ray.d);
     // Emission that the second vertex sees is weighted for the direction the path came from.
     if (path.depth - path.chain.vertices() > 2) {
         path.add(path.chain.weight() * found);
@@ -197,67 +202,77 @@ Color PathIntegrator::arriving_radiance(const Scene& scene, const Path& path) co
     return radiance_through_chain(scene, path.hit->spawn_ray(sample.wi), longest);
 }
 
-/// Light sampling at the vertices of all paths, then all shadow rays.
-void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) const {
-    if (paths.empty()) return;
-    const std::uint32_t light_samples = paths.front()->light_samples;  // the same for all
-    const std::uint32_t light_numbers = light_samples * light_dimensions;
+/// Sets up the vertices of paths for light sampling; returns those at which it finds something.
+PathIntegrator::Paths PathIntegrator::begin_light_sampling(const Paths& paths) const {
+    Paths lit;
+    lit.reserve(paths.size());
     for (Path* path : paths) {
         SampleStream& stream = path->sample->stream;
         stream.jump_to(path->dimension);
-        path->dimension += bsdf_dimensions + light_numbers;
+        path->dimension += bsdf_dimensions + path->light_samples * light_dimensions;
         path->u_direction = stream.next_2d();
         path->u_lobe_and_roulette = stream.next_2d();
-        path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
-        path->direct = ColorD(0);  // in double: there may be many samples
-        if (path->depth == 0 && !path->surface->samples_lights) path->kept = nullptr;
+        const LitSurface& surface =
+            path->surface.emplace(*path->hit, *path->hit->shape->bsdf(), -path->ray.d);
+        path->direct = ColorD(0);
+        if (path->depth == 0 && !surface.samples_lights) path->kept = nullptr;
         if (path->kept && path->depth < 2) keep_vertex(*path);
+        if (surface.samples_lights) lit.push_back(path);
     }
-    Paths lit, asking;
-    lit.reserve(paths.size());
+    return lit;
+}
+
+/// Direct light at the vertices of all paths, each step for all of them.
+void PathIntegrator::add_direct_light(const Scene& scene, const Paths& paths) const {
+    const Paths lit = begin_light_sampling(paths);
+    if (lit.empty()) return;
     std::vector<const Receiver*> receivers;
     std::vector<LightDistribution*> distributions;
-    for (Path* path : paths) {
-        if (!path->surface->samples_lights) continue;
-        asking.push_back(path);
+    for (Path* path : lit) {
         receivers.push_back(&path->surface->receiver);
-        distributions.push_back(&path->lights);
+        distributions.push_back(&path->here().lights);
     }
     light_sampler_.batch().at(light_sampler_, receivers, distributions);
-    std::vector<LightDraw> draws(asking.size());
-    const auto sample_count = static_cast<float>(light_samples);
+    const std::uint32_t light_samples = lit.front()->light_samples;  // the same for all
+    std::vector<LightDraw> draws(lit.size());
     for (std::uint32_t k = 0; k < light_samples; ++k) {
-        for (std::size_t i = 0; i < asking.size(); ++i) {
-            Path& path = *asking[i];
+        for (std::size_t i = 0; i < lit.size(); ++i) {
+            Path& path = *lit[i];
             const float u = path.sample->stream.next_2d().x;
-            draws[i] = {.lights = &path.lights,
+            draws[i] = {.lights = distributions[i],
                         .u = light_number(*receivers[i], k, light_samples, u)};
             path.u_light = path.sample->stream.next_2d();
         }
         choose_lights(scene, light_sampler_, draws);
-        lit.clear();
-        for (std::size_t i = 0; i < asking.size(); ++i) {
-            Path* const path = asking[i];
-            const std::optional<LightChoice>& choice = draws[i].choice;
-            const bool for_others = path->depth == 1 && path->kept;
-            if (choice && sample_light(scene, *choice, *path->surface, path->u_light, sample_count,
-                                       1, path->light, for_others)) {
-                lit.push_back(path);
+        for (std::size_t i = 0; i < lit.size(); ++i) {
+            std::optional<LightChoice>& choice = draws[i].choice;
+            if (choice &&
+                !sample_li(scene, *choice, *receivers[i], lit[i]->u_light, lit[i]->light.sample)) {
+                choice.reset();
             }
         }
-        for (Path* path : lit) {
-            LightEstimate& light = path->light;
-            const Color arriving = arriving_radiance(scene, *path);
-            if (is_black(arriving)) continue;
-            if (path->depth == 1 && path->kept) {
-                light.sample.radiance = arriving;
-                path->kept->lights.emplace_back(light, abs_cos_theta(light.wi_local));
-            } else {
-                path->direct += ColorD(arriving * light.response / sample_count);
-            }
+        for (std::size_t i = 0; i < lit.size(); ++i) {
+            if (draws[i].choice) add_light_sample(scene, *draws[i].choice, *lit[i]);
         }
     }
-    for (Path* path : paths) path->add(Color(path->direct));
+    for (Path* path : lit) path->add(Color(path->direct / static_cast<double>(light_samples)));
+}
+
+/// Adds what a light sample brings, or keeps it, if other paths may use it.
+void PathIntegrator::add_light_sample(const Scene& scene, const LightChoice& choice,
+                                      Path& path) const {
+    LightEstimate& light = path.light;
+    const bool for_others = path.depth == 1 && path.kept;
+    const auto count = static_cast<float>(path.light_samples);
+    if (!weigh_light(choice, *path.surface, count, 1, for_others, light)) return;
+    const Color arriving = arriving_radiance(scene, path);
+    if (is_black(arriving)) return;
+    if (for_others) {
+        light.sample.radiance = arriving;
+        path.kept->lights.emplace_back(light, abs_cos_theta(light.wi_local));
+    } else {
+        path.direct += ColorD(arriving * light.response);
+    }
 }
 
 /// Continues along a direction of the BSDF; false if the path ends. What is found straight through
@@ -281,13 +296,14 @@ bool PathIntegrator::scatter(const Scene& scene, Path& path, int step) const {
         if (!sample.specular()) {
             path.chain.begin();
         } else {
-            path.chain.pass(scene, path.before, path.ray.d, at);
+            path.chain.pass(scene, path.before(), path.ray.d, at);
         }
-        path.before.receiver = surface.receiver;
-        if (!sample.specular()) path.before.lights = path.lights;
-        path.before.pdf = sample.pdf;
-        path.before.light_samples = static_cast<float>(light_samples);
-        path.before.specular = sample.specular();
+        if (!sample.specular()) path.turn = 1 - path.turn;  // the lights here are those before
+        PathVertex& before = path.before();
+        before.receiver = surface.receiver;
+        before.pdf = sample.pdf;
+        before.light_samples = static_cast<float>(light_samples);
+        before.specular = sample.specular();
         path.ray = next->ray;
         if (path.kept && path.depth < 2) leave_kept_vertex(path, sample);
         ++path.depth;
