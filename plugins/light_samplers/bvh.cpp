@@ -8,6 +8,7 @@
 /// draws. Other than in pbrt, power is luminance, not the largest value of the spectrum; trees may
 /// be 64 deep; a cosine is at least 10⁻⁵; and normals that are opposite up to rounding make a cone
 /// of all directions.
+#include "plugins/light_samplers/lights/infinite_share.h"
 #include "plugins/light_samplers/lights/light_bvh.h"
 #include "plugins/light_samplers/lights/light_groups.h"
 
@@ -22,7 +23,7 @@ public:
     void prepare(const Scene& scene) override {
         groups_ = LightGroups(scene);
         tree_ = LightBVH(scene);
-        infinite_share_ = groups_.infinite_share(!tree_.empty());
+        infinite_share_ = infinite_share(groups_.infinite(), !tree_.empty());
     }
 
     struct Distribution {

@@ -5,7 +5,8 @@
 /// cache point, and takes the closest one of that cube alone: without jitter, pictures show the
 /// borders of the cubes as squares of different noise. With it, x is moved by up to half a cube
 /// along the surface, as a hash of x says, before it looks.
-#include "plugins/light_samplers/cache_point_sampler.h"
+#include "plugins/light_samplers/memory/cache_points.h"
+#include "plugins/light_samplers/memory/cache_sampler.h"
 #include "plugins/light_samplers/memory/jitter.h"
 
 #include <unordered_map>
@@ -27,12 +28,8 @@ private:
     static constexpr int finest = 16;
     static constexpr std::size_t most_points = 8;  ///< of a cube that are looked at
 
-    struct Slot {
-        std::uint64_t key = 0;  ///< zero: empty
-        std::uint32_t begin = 0, count = 0;
-    };
-    struct Place {
-        const Slot* slot;
+    struct Cube {
+        std::uint32_t place;  ///< in `members_`
         float edge;
     };
 
@@ -46,16 +43,10 @@ private:
         }
         return key;
     }
-    const Slot* slot(std::uint64_t key) const {
-        for (std::size_t i = mix64(key) & (slots_.size() - 1);; i = (i + 1) & (slots_.size() - 1)) {
-            if (slots_[i].key == key) return &slots_[i];
-            if (slots_[i].key == 0) return nullptr;
-        }
-    }
-    Place smallest(Vector3 p) const {
+    Cube smallest(Vector3 p) const {
         int level = levels_ - 1;
-        const Slot* found = slot(key(p, level));
-        while (!found && level > 0) found = slot(key(p, --level));
+        std::uint32_t found = cubes_.find(key(p, level));
+        while (found == KeyTable::none && level > 0) found = cubes_.find(key(p, --level));
         return {found, std::ldexp(size_, -level)};
     }
 
@@ -63,8 +54,8 @@ private:
     Vector3 corner_{0};
     float size_ = 1;
     int levels_ = 1;
-    std::vector<Slot> slots_;
-    std::vector<std::uint32_t> members_;
+    KeyTable cubes_;
+    std::vector<std::vector<std::uint32_t>> members_;  ///< of each cube, its points
     std::vector<Vector3> points_;
 };
 
@@ -75,7 +66,6 @@ void HashLookup::build(const std::vector<Vector3>& points, const Bounds3& bounds
     // Until most points are alone in their cubes.
     using Cubes = std::unordered_map<std::uint64_t, std::vector<std::uint32_t>>;
     Cubes all;
-    members_.clear();
     for (levels_ = 0; levels_ <= finest;) {
         Cubes cubes;
         for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -86,39 +76,37 @@ void HashLookup::build(const std::vector<Vector3>& points, const Bounds3& bounds
         ++levels_;
         if (enough) break;
     }
-    slots_.assign(std::bit_ceil(2 * all.size() + 1), {});
-    for (auto& [key, cube] : all) {
-        std::size_t i = mix64(key) & (slots_.size() - 1);
-        while (slots_[i].key != 0) i = (i + 1) & (slots_.size() - 1);
+    std::vector<std::uint64_t> keys;
+    members_.clear();
+    for (const auto& [key, cube] : all) {
+        keys.push_back(key);
         // From those in a large cube, some that are far from each other in the order of placement.
         const std::size_t count = std::min(cube.size(), most_points);
-        slots_[i] = {key, static_cast<std::uint32_t>(members_.size()),
-                     static_cast<std::uint32_t>(count)};
-        for (std::size_t k = 0; k < count; ++k) members_.push_back(cube[k * cube.size() / count]);
+        members_.emplace_back();
+        for (std::size_t k = 0; k < count; ++k) {
+            members_.back().push_back(cube[k * cube.size() / count]);
+        }
     }
+    cubes_ = KeyTable(std::move(keys));
 }
 
 std::uint32_t HashLookup::find(const Receiver& at) const {
-    Place place = smallest(at.p);
+    Cube cube = smallest(at.p);
     if (jitter_ > 0) {
-        place = smallest(jittered(at, (at.p - corner_) / size_, jitter_ * place.edge));
+        cube = smallest(jittered(at, (at.p - corner_) / size_, jitter_ * cube.edge));
     }
-    std::uint32_t closest = 0;
-    float least = infinity;
-    for (std::uint32_t i = 0; i < place.slot->count; ++i) {
-        const std::uint32_t member = members_[place.slot->begin + i];
-        const Vector3 d = points_[member] - at.p;
-        const float distance2 = glm::dot(d, d);
-        if (!(distance2 < least)) continue;
-        least = distance2;
-        closest = member;
-    }
-    return closest;
+    const auto distance2 = [&](std::uint32_t point) {
+        const Vector3 d = points_[point] - at.p;
+        return glm::dot(d, d);
+    };
+    const std::vector<std::uint32_t>& members = members_[cube.place];
+    return *std::min_element(members.begin(), members.end(),
+                             [&](auto a, auto b) { return distance2(a) < distance2(b); });
 }
 
 }  // namespace
 
-const PluginInfo plugin = describe<CachePointSampler<HashLookup>>(
+const PluginInfo plugin = describe<CacheSampler<CachePoints<HashLookup>>>(
     "cache points remember lights; one that is close is found by hash");
 
 }  // namespace lucerna

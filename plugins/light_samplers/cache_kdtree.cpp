@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cache_kdtree: cache points, the closest found in a k-d tree.
-#include "plugins/light_samplers/cache_point_sampler.h"
+#include "plugins/light_samplers/memory/cache_points.h"
+#include "plugins/light_samplers/memory/cache_sampler.h"
 
 namespace lucerna {
 
@@ -19,7 +20,7 @@ private:
 
 }  // namespace
 
-const PluginInfo plugin = describe<CachePointSampler<KdTreeLookup>>(
+const PluginInfo plugin = describe<CacheSampler<CachePoints<KdTreeLookup>>>(
     "cache points remember lights; the closest is found in a k-d tree");
 
 }  // namespace lucerna

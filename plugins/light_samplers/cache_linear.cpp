@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cache_linear: cache points, the closest found by looking at all of them: the first idea, kept
 /// for comparison.
-#include "plugins/light_samplers/cache_point_sampler.h"
+#include "plugins/light_samplers/memory/cache_points.h"
+#include "plugins/light_samplers/memory/cache_sampler.h"
 
 namespace lucerna {
 
@@ -31,7 +32,7 @@ private:
 
 }  // namespace
 
-const PluginInfo plugin = describe<CachePointSampler<LinearLookup>>(
+const PluginInfo plugin = describe<CacheSampler<CachePoints<LinearLookup>>>(
     "cache points remember lights; the closest is found by looking at all");
 
 }  // namespace lucerna

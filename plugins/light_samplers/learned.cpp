@@ -11,6 +11,7 @@
 /// light_cut.h. Lights at infinity share n∞ / (n∞ + 1) of the draws, as in `bvh`.
 #include "plugins/light_samplers/learning/pilot_paths.h"
 #include "plugins/light_samplers/learning/region_study.h"
+#include "plugins/light_samplers/lights/infinite_share.h"
 #include "plugins/light_samplers/lights/light_groups.h"
 #include "plugins/light_samplers/memory/cell_points.h"
 
@@ -84,7 +85,7 @@ LearnedLightSampler::LearnedLightSampler(const Params& params) {
 void LearnedLightSampler::prepare(const Scene& scene) {
     groups_ = LightGroups(scene);
     tree_ = LightBVH(scene);
-    infinite_share_ = groups_.infinite_share(!tree_.empty());
+    infinite_share_ = infinite_share(groups_.infinite(), !tree_.empty());
     everywhere_ = {};
     if (!tree_.empty()) everywhere_ = {{0}, {1}};
     regions_.clear();
@@ -92,9 +93,9 @@ void LearnedLightSampler::prepare(const Scene& scene) {
     if (tree_.size() <= 1 || scene.integrator().light_bounces() < 0) return;
     const Workers workers(scene.threads());
     const std::vector<Receiver> points = pilot_receivers(scene, pilots_.within(scene), workers);
-    grid_ = CellGrid(eye_of(scene), scene.bounds(), cell_size_);
-    const CellPoints cells(grid_, points, 1);
-    grid_.index(cells.keys);
+    const auto made = make_cells(scene, points, cell_size_, 1, points.size(), true);
+    grid_ = made.first;
+    const CellPoints& cells = made.second;
     regions_.resize(cells.keys.size());
     workers.run(static_cast<std::int64_t>(regions_.size()), [&](std::int64_t index) {
         const auto i = static_cast<std::size_t>(index);

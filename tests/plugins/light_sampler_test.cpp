@@ -75,11 +75,11 @@ TEST_P(SeenLights, E15_CachePointsAreNeverMuchWorseThanTheTree) {
     const Scene& scene = test.scene();
     const PreparedSampler prepared(tested_sampler(GetParam()), scene);
     const LightSampler& sampler = *prepared;
-    const SceneLights lights(scene);
+    const LightTree8 tree(scene);
     for (const Receiver& at : seen_points(scene, 300)) {
         const LightDistribution distribution = sampler.at(at);
         for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-            EXPECT_GE(distribution.pmf(i), 0.099f * lights.tree.pmf(ReceiverRegion(at), i));
+            EXPECT_GE(distribution.pmf(i), 0.099f * tree.pmf(ReceiverRegion(at), i));
         }
     }
 }
@@ -112,7 +112,7 @@ TEST(LightLanes, AreZeroOnlyWhereNothingCanArrive) {
                                    .power = 1,
                                    .two_sided = two_sided};
         LightLanes lanes;
-        lanes.set(3, cluster, -1);
+        set_lane(lanes, 3, cluster);
         float result[LightLanes::width];
         contributions(lanes,
                       ReceiverRegion(Receiver{.n = {0, 0, 1}, .ns = {0, 0, 1}, .sides = sides}),

@@ -2,16 +2,29 @@
 /// Lights that may matter in a region of the scene, and what shadow rays have told of them.
 #pragma once
 
-#include "plugins/light_samplers/lights/light_tree8.h"
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace lucerna {
 
+/// What a choice should take for the visibility `v` of a light. Were v certain, P ∝ v would be
+/// best; were each light either seen or not, with the probability v, P ∝ √v: the second moment is
+/// Σ v u² / P. Measured, the best is between the two.
+inline float assumed_visibility(float v, float floor) {
+    return std::pow(std::max(v, floor), 0.85f);
+}
+
 /// A light, or a cluster of lights.
 struct Candidate {
-    std::uint32_t light = LightTree8::none;
-    std::uint32_t cluster = LightTree8::none;  ///< node of the tree, if it is not a light
-    std::uint32_t group = 0;                   ///< of candidates, that it is in
-    float mean = 0;                            ///< unoccluded contribution, over the points
+    static constexpr std::uint32_t none = 0xffffffff;
+
+    std::uint32_t light = none;
+    std::uint32_t cluster = none;  ///< node of the tree, if it is not a light
+    std::uint32_t group = 0;       ///< of candidates, that it is in
+    float mean = 0;                ///< unoccluded contribution, over the points
     float rays = 0;
     float arrived = 0;                      ///< sum over rays of the fraction that arrived
     float lent_rays = 0, lent_arrived = 0;  ///< the same, of the regions around
@@ -23,7 +36,9 @@ struct Candidate {
         return (arrived + lent_arrived + prior_rays * prior) / (rays + lent_rays + prior_rays);
     }
     float value() const { return mean * visibility(); }
-    bool is_light() const { return cluster == LightTree8::none; }
+    /// For choices; visibility is never taken for less than `floor`.
+    float weight(float floor) const { return mean * assumed_visibility(visibility(), floor); }
+    bool is_light() const { return cluster == none; }
     /// In the order of what they are, whatever is known of them.
     bool precedes(const Candidate& o) const {
         return light != o.light ? light < o.light : cluster < o.cluster;
@@ -36,7 +51,8 @@ struct Candidates {
     std::vector<Candidate> all;
     std::vector<std::uint32_t> parents;  ///< of each group, the one that it is part of
     float usual = 0;                     ///< that fraction, of all lights
-    bool complete = false;               ///< every light of the tree is one, or in a cluster
+    float rest = 0;         ///< unoccluded contribution of lights that are no candidate
+    bool complete = false;  ///< every light of the tree is one, or in a cluster
 
     /// What is not known of a light is taken from its group, and so on up to all of them.
     void learn_priors();

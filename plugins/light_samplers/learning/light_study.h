@@ -10,7 +10,8 @@
 
 #include "core/math/sequences.h"
 #include "plugins/light_samplers/learning/candidates.h"
-#include "plugins/light_samplers/lights/scene_lights.h"
+#include "plugins/light_samplers/lights/infinite_lights.h"
+#include "plugins/light_samplers/lights/light_tree8.h"
 
 #include <queue>
 
@@ -20,9 +21,9 @@ class LightStudy {
 public:
     /// `points` are receivers of the region; others may be as far as `margin` from them.
     /// With `any_normal` a contribution is what arrives at a surface that faces the light.
-    LightStudy(const Scene& scene, const SceneLights& lights, std::span<const Receiver> points,
+    LightStudy(const Scene& scene, const LightTree8& tree, std::span<const Receiver> points,
                float margin, bool any_normal, std::uint64_t seed)
-        : scene_(scene), lights_(lights), points_(points), any_normal_(any_normal), rng_(seed) {
+        : scene_(scene), tree_(tree), points_(points), any_normal_(any_normal), rng_(seed) {
         for (const Receiver& at : points) {
             lit_.emplace_back(at);
             if (any_normal) lit_.back().spread = facing_spread;
@@ -50,36 +51,25 @@ public:
     /// Irradiance that one sample of a light brings to a point, in units; zero if it is blocked.
     double arriving(std::uint32_t light, std::size_t point);
 
-    /// What the lights at infinity bring together, learnt from shadow rays.
-    float infinite_contribution();
     /// All lights at infinity, with what `rays` shadow rays tell of them.
-    Candidates infinite(std::size_t rays);
+    Candidates infinite(const InfiniteLights& lights, std::size_t rays);
 
 private:
     void bound_region(float margin);
     float nearest(const LightLanes& lanes, std::size_t i) const;
     void find_candidates(std::size_t count, bool cut);
     std::pair<const LightLanes*, std::size_t> lane_of(const Candidate& candidate) const {
-        return candidate.is_light() ? lights_.tree.lane(candidate.light)
-                                    : lights_.tree.lane_of_node(candidate.cluster);
+        return candidate.is_light() ? tree_.lane(candidate.light)
+                                    : tree_.lane_of_node(candidate.cluster);
     }
-    Candidates learn(std::size_t rays) {
-        weigh_candidates();
-        trace_rounds(rays);
-        return std::move(candidates_);
-    }
-    void weigh_candidates();
+    Candidates learn(std::size_t rays);
+    template <typename Lanes>
+    void weigh(std::span<const Lanes> blocks);
     void trace(std::size_t candidate);
     void trace_rounds(std::size_t rays);
-    /// From the sum over the points, and the bound for the region: lights near it may be brighter
-    /// where there is no point.
-    float mean_of(float sum, float bound) const {
-        return std::max(sum / static_cast<float>(lit_.size()), 0.1f * bound);
-    }
-    std::size_t stride() const { return (candidates_.all.size() + 7) / 8 * 8; }
 
     const Scene& scene_;
-    const SceneLights& lights_;
+    const LightTree8& tree_;
     std::span<const Receiver> points_;
     bool any_normal_;
     std::vector<ReceiverRegion> lit_;
@@ -123,7 +113,7 @@ inline float LightStudy::nearest(const LightLanes& l, std::size_t i) const {
 /// strongest light.
 inline void LightStudy::find_candidates(std::size_t count, bool cut) {
     struct Entry {
-        float bound;
+        float bound, contribution;
         std::uint32_t link;
         std::uint32_t group;
         bool leaf;
@@ -131,13 +121,13 @@ inline void LightStudy::find_candidates(std::size_t count, bool cut) {
             return bound != o.bound ? bound < o.bound : link > o.link;
         }
     };
-    if (lights_.tree.empty()) return;
+    if (tree_.empty()) return;
     candidates_.complete = cut;
     std::priority_queue<Entry> open;
     const auto divide = [&](std::uint32_t index, std::uint32_t group) {
         const auto own = static_cast<std::uint32_t>(candidates_.parents.size());
         candidates_.parents.push_back(group);
-        const LightTree8::Node& node = lights_.tree[index];
+        const LightTree8::Node& node = tree_[index];
         float bounds[LightLanes::width];
         contributions(node.lanes, region_, bounds);
         for (std::size_t i = 0; i < node.count; ++i) {
@@ -145,7 +135,7 @@ inline void LightStudy::find_candidates(std::size_t count, bool cut) {
             const float part = cut ? 1 : node.strongest[i];
             const float bound = bounds[i] * part * nearest(node.lanes, i);
             if (bound > 0) {
-                open.push({bound, node.link[i], own, leaf});
+                open.push({bound, bounds[i], node.link[i], own, leaf});
             } else {
                 candidates_.complete = false;
             }
@@ -163,18 +153,15 @@ inline void LightStudy::find_candidates(std::size_t count, bool cut) {
             candidates_.all.push_back({.cluster = entry.link, .group = entry.group});
         }
     }
+    for (; !open.empty(); open.pop()) candidates_.rest += open.top().contribution;
 }
 
-inline void LightStudy::weigh_candidates() {
-    std::vector<LightLanes> lanes(stride() / 8);
-    for (std::size_t i = 0; i < candidates_.all.size(); ++i) {
-        const auto [from, lane] = lane_of(candidates_.all[i]);
-        lanes[i / 8].copy(i % 8, *from, lane);
-    }
-    const std::span<const LightLanes> blocks = lanes;
+/// The candidates, which are in the lanes of the blocks.
+template <typename Lanes>
+void LightStudy::weigh(std::span<const Lanes> blocks) {
     const std::size_t points = lit_.size();
-    weights_.resize(stride() * points);
-    std::vector<float> all(stride());
+    std::vector<float> all(LightLanes::width * blocks.size());
+    weights_.resize(all.size() * points);
     for (std::size_t p = 0; p < points; ++p) {
         contributions(blocks, lit_[p], all.data());
         for (std::size_t i = 0; i < all.size(); ++i) weights_[i * points + p] = all[i];
@@ -183,8 +170,30 @@ inline void LightStudy::weigh_candidates() {
     for (std::size_t i = 0; i < candidates_.all.size(); ++i) {
         float sum = 0;
         for (std::size_t p = 0; p < points; ++p) sum += weights_[i * points + p];
-        candidates_.all[i].mean = mean_of(sum, all[i]);
+        // Lights near the region may be brighter where there is no point.
+        candidates_.all[i].mean = std::max(sum / static_cast<float>(points), 0.1f * all[i]);
     }
+}
+
+inline Candidates LightStudy::learn(std::size_t rays) {
+    constexpr std::size_t width = LightLanes::width;
+    std::vector<LightLanes> blocks((candidates_.all.size() + width - 1) / width);
+    for (std::size_t i = 0; i < candidates_.all.size(); ++i) {
+        const auto [from, lane] = lane_of(candidates_.all[i]);
+        blocks[i / width].copy(i % width, *from, lane);
+    }
+    weigh(std::span<const LightLanes>(blocks));
+    trace_rounds(rays);
+    return std::move(candidates_);
+}
+
+inline Candidates LightStudy::infinite(const InfiniteLights& lights, std::size_t rays) {
+    candidates_ = {};
+    candidates_.parents = {0};
+    for (const std::uint32_t light : lights.lights) candidates_.all.push_back({.light = light});
+    weigh(std::span<const InfiniteLanes>(lights.lanes));
+    trace_rounds(rays);
+    return std::move(candidates_);
 }
 
 inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
@@ -200,47 +209,9 @@ inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
     if (has_normal && (!(side > 0) || !(lit.two_sided > 0 || cosine > 0))) return 0;
     if (any_normal_ || !has_normal) cosine = 1;
     const double value = static_cast<double>(luminance(sample->radiance)) *
-                         static_cast<double>(std::abs(cosine) / sample->pdf) / lights_.unit;
+                         static_cast<double>(std::abs(cosine) / sample->pdf) / tree_.unit();
     if (!(value > 0) || !std::isfinite(value)) return 0;
     return value * static_cast<double>(luminance(scene_.transmittance(at, *sample, rng_)));
-}
-
-inline float LightStudy::infinite_contribution() {
-    if (lights_.infinite.empty()) return 0;
-    constexpr int samples = 64;
-    double sum = 0;
-    for (int i = 0; i < samples; ++i) {
-        const std::uint32_t chosen = lights_.infinite_power.sample(rng_.next_double());
-        const std::size_t point = rng_.next_uint() % lit_.size();
-        const double share = lights_.infinite_power.pmf(chosen);
-        if (share > 0) sum += arriving(lights_.infinite[chosen], point) / share;
-    }
-    // Where little of the sky is seen, one sample of it is noisier than one of a window.
-    return static_cast<float>(std::max(sum / samples, 0.1 * lights_.infinite_irradiance));
-}
-
-inline Candidates LightStudy::infinite(std::size_t rays) {
-    const std::span<const InfiniteLanes> blocks = lights_.infinite_lanes;
-    const std::size_t points = lit_.size(), lanes = InfiniteLanes::width * blocks.size();
-    std::vector<float> bound(lanes), at_point(lanes);
-    contributions(blocks, region_, bound.data());
-    weights_.assign(lanes * points, 0.0f);
-    std::vector<float> sums(lanes);
-    for (std::size_t p = 0; p < points; ++p) {
-        contributions(blocks, lit_[p], at_point.data());
-        for (std::size_t i = 0; i < lanes; ++i) {
-            weights_[i * points + p] = at_point[i];
-            sums[i] += at_point[i];
-        }
-    }
-    candidates_ = {};
-    candidates_.parents = {0};
-    for (std::size_t i = 0; i < lights_.infinite.size(); ++i) {
-        candidates_.all.push_back(
-            {.light = lights_.infinite[i], .mean = mean_of(sums[i], bound[i])});
-    }
-    trace_rounds(rays);
-    return std::move(candidates_);
 }
 
 /// One ray to a candidate, from a point drawn in proportion to the contribution there.
@@ -262,7 +233,7 @@ inline void LightStudy::trace(std::size_t i) {
     candidate.rays += 1;
     LightTree8::Choice choice{candidate.light, 1};
     if (!candidate.is_light()) {
-        const auto drawn = lights_.tree.sample(lit_[point], rng_.next_double(), candidate.cluster);
+        const auto drawn = tree_.sample(lit_[point], rng_.next_double(), candidate.cluster);
         if (!drawn) return;
         choice = *drawn;
     }

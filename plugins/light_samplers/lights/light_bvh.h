@@ -170,7 +170,16 @@ inline LightBVH::LightBVH(std::vector<TreeLight> lights, std::size_t light_count
     }
     const float size = nodes_.empty() ? 0.0f : nodes_[0].radius;
     least_distance2_ = std::max(sqr(1e-7f * size), 1e-37f);
-    tree.for_each_path([&](std::uint32_t light, std::uint64_t path) { paths_[light] = path; });
+    std::vector<std::pair<std::uint64_t, int>> ways(tree.size());  // to each node: path and depth
+    for (std::uint32_t i = 0; i < tree.size(); ++i) {
+        const auto [path, depth] = ways[i];
+        if (tree[i].leaf) {
+            paths_[tree[i].link] = path;
+        } else {
+            ways[i + 1] = {path, depth + 1};
+            ways[tree[i].link] = {path | std::uint64_t{1} << depth, depth + 1};
+        }
+    }
 }
 
 /// cos and sin of max(0, a − b).

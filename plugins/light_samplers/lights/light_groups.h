@@ -23,13 +23,6 @@ public:
     std::size_t infinite() const { return infinite_.size(); }
     bool at_infinity(std::uint32_t light) const { return group_of(light) != nullptr; }
 
-    /// What lights at infinity get of all draws where nothing else is known, after pbrt-v4;
-    /// `others`: there are lights that are somewhere.
-    float infinite_share(bool others) const {
-        const auto n = static_cast<float>(infinite());
-        return n > 0 ? n / (n + (others ? 1.0f : 0.0f)) : 0.0f;
-    }
-
     /// Draws from a group, which is drawn with probability `scale`, for u in [0, 1).
     LightChoice draw(std::size_t group, double u, float scale) const {
         if (group < infinite_.size()) {

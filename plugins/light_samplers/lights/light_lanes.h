@@ -14,7 +14,7 @@
 /// irradiance; no figure knows of shadows.
 #pragma once
 
-#include "plugins/light_samplers/lights/light_tree.h"
+#include "core/interfaces/interaction.h"
 
 #include <span>
 
@@ -40,22 +40,26 @@ struct ReceiverRegion {
     }
 };
 
-/// Eight lights or clusters, one array for each number.
-struct alignas(32) LightLanes {
+/// Eight planar lights that shine to one side, as most do, one array for each number.
+struct alignas(32) FlatLanes {
     static constexpr std::size_t width = 8;
     using Lanes = float[width];
     Lanes cx{}, cy{}, cz{}, ex{}, ey{}, ez{}, ax{}, ay{}, az{};
-    Lanes cos_o{}, sin_o{}, cos_e{};
-    Lanes facing{};  ///< how far the emitters' plane is in front of c; infinite if they have none
-    Lanes two_sided{};  ///< 1: they shine to both sides
+    Lanes facing{};     ///< how far the emitters' plane is in front of c; infinite if there is none
     Lanes intensity{};  ///< zero: an empty lane
+
+    void copy(std::size_t lane, const FlatLanes& from, std::size_t from_lane);
+};
+
+/// Eight lights or clusters of any kind.
+struct alignas(32) LightLanes : FlatLanes {
+    Lanes cos_o{}, sin_o{}, cos_e{};
+    Lanes two_sided{};  ///< 1: they shine to both sides
 
     /// Sum of the numbers of eight lanes.
     static float sum(const float* w) {
         return ((w[0] + w[1]) + (w[2] + w[3])) + ((w[4] + w[5]) + (w[6] + w[7]));
     }
-    /// Fills a lane. `facing` as above, or -1 to bound it by the box.
-    void set(std::size_t lane, const LightCluster& cluster, float facing);
     void copy(std::size_t lane, const LightLanes& from, std::size_t from_lane);
     /// Whether FlatLanes can hold it: planar, and shining to the whole of one side.
     bool is_planar(std::size_t lane) const {
@@ -63,47 +67,17 @@ struct alignas(32) LightLanes {
     }
 };
 
-/// Eight planar lights that shine to one side, as most do: what `contributions` then needs.
-struct alignas(32) FlatLanes {
-    using Lanes = LightLanes::Lanes;
-    Lanes cx{}, cy{}, cz{}, ex{}, ey{}, ez{}, ax{}, ay{}, az{}, facing{}, intensity{};
-
-    void copy(std::size_t lane, const LightLanes& from, std::size_t from_lane);
-};
-
-inline bool is_flat(const LightCluster& c) {
-    return c.cos_normals >= 1 - 1e-6f && c.cos_emission >= -1e-4f && !c.two_sided;
-}
-
-inline void LightLanes::set(std::size_t i, const LightCluster& c, float plane) {
-    const Vector3 center = c.box.center();
-    // Boxes grow by the rounding of their coordinates.
-    const Vector3 half = glm::max(c.box.max - center, center - c.box.min) +
-                         Vector3(0x1p-21f * max_component(absolute(center)));
-    cx[i] = center.x, cy[i] = center.y, cz[i] = center.z;
-    ex[i] = half.x, ey[i] = half.y, ez[i] = half.z;
-    ax[i] = c.axis.x, ay[i] = c.axis.y, az[i] = c.axis.z;
-    cos_o[i] = c.cos_normals;
-    sin_o[i] = safe_sqrt(1 - sqr(c.cos_normals));
-    cos_e[i] = c.cos_emission;
-    two_sided[i] = c.two_sided ? 1.0f : 0.0f;
-    intensity[i] = c.power;
-    facing[i] = !is_flat(c) ? infinity : plane >= 0 ? plane : glm::dot(absolute(c.axis), half);
-}
-
-inline void LightLanes::copy(std::size_t i, const LightLanes& o, std::size_t k) {
-    cx[i] = o.cx[k], cy[i] = o.cy[k], cz[i] = o.cz[k];
-    ex[i] = o.ex[k], ey[i] = o.ey[k], ez[i] = o.ez[k];
-    ax[i] = o.ax[k], ay[i] = o.ay[k], az[i] = o.az[k];
-    cos_o[i] = o.cos_o[k], sin_o[i] = o.sin_o[k], cos_e[i] = o.cos_e[k];
-    facing[i] = o.facing[k], two_sided[i] = o.two_sided[k], intensity[i] = o.intensity[k];
-}
-
-inline void FlatLanes::copy(std::size_t i, const LightLanes& o, std::size_t k) {
+inline void FlatLanes::copy(std::size_t i, const FlatLanes& o, std::size_t k) {
     cx[i] = o.cx[k], cy[i] = o.cy[k], cz[i] = o.cz[k];
     ex[i] = o.ex[k], ey[i] = o.ey[k], ez[i] = o.ez[k];
     ax[i] = o.ax[k], ay[i] = o.ay[k], az[i] = o.az[k];
     facing[i] = o.facing[k], intensity[i] = o.intensity[k];
+}
+
+inline void LightLanes::copy(std::size_t i, const LightLanes& o, std::size_t k) {
+    FlatLanes::copy(i, o, k);
+    cos_o[i] = o.cos_o[k], sin_o[i] = o.sin_o[k], cos_e[i] = o.cos_e[k];
+    two_sided[i] = o.two_sided[k];
 }
 
 namespace light_lanes {

@@ -21,9 +21,17 @@ struct LightCluster {
     Vector3 axis{0, 0, 1};  ///< of the cone of normals
     float cos_normals = 1;
     float cos_emission = 1;
-    float power = 0;  ///< in the unit of whoever builds the tree; zero: no lights
+    float power = 0;      ///< in the unit of whoever builds the tree; zero: no lights
+    float strongest = 0;  ///< power of the strongest light in it
+    /// Of a single planar light: how far its plane is in front of the centre of the box.
+    /// Negative: not known.
+    float plane = -1;
     bool two_sided = false;
 
+    /// Whether all normals are one, and all shine to no more than the side of it.
+    bool is_flat() const {
+        return cos_normals >= 1 - 1e-6f && cos_emission >= -1e-4f && !two_sided;
+    }
     void include(const LightCluster& other);
 };
 
@@ -60,6 +68,8 @@ inline void LightCluster::include(const LightCluster& other) {
     }
     box.include(other.box);
     power += other.power;
+    strongest = std::max(strongest, other.strongest);
+    plane = -1;
     cos_emission = std::min(cos_emission, other.cos_emission);
     two_sided |= other.two_sided;
     if (axis == other.axis || cos_normals <= -1) {
@@ -117,9 +127,6 @@ public:
     bool empty() const { return nodes_.empty(); }
     const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
     std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
-    /// For each leaf (light, path): bit d of the path tells which child to take at depth d.
-    template <typename Function>
-    void for_each_path(const Function& visit) const;
 
 private:
     static constexpr int buckets = 12;
@@ -269,28 +276,6 @@ inline LightTree::Bins LightTree::clusters_above(const Bins& bins) const {
         }
     }
     return above;
-}
-
-template <typename Function>
-void LightTree::for_each_path(const Function& visit) const {
-    struct Place {
-        std::uint32_t node;
-        int depth;
-        std::uint64_t path;
-    };
-    std::vector<Place> open;
-    if (!empty()) open.push_back({0, 0, 0});
-    while (!open.empty()) {
-        const auto [index, depth, path] = open.back();
-        open.pop_back();
-        const Node& node = nodes_[index];
-        if (node.leaf) {
-            visit(node.link, path);
-            continue;
-        }
-        open.push_back({index + 1, depth + 1, path});
-        open.push_back({node.link, depth + 1, path | std::uint64_t{1} << depth});
-    }
 }
 
 }  // namespace lucerna

@@ -2,7 +2,8 @@
 /// What every light of a scene contributes to a point where nothing is in between.
 #pragma once
 
-#include "plugins/light_samplers/lights/light_list.h"
+#include "plugins/light_samplers/lights/infinite_lights.h"
+#include "plugins/light_samplers/lights/light_tree8.h"
 
 namespace lucerna {
 
@@ -15,16 +16,20 @@ public:
 
     SceneLanes() = default;
     explicit SceneLanes(const Scene& scene) {
-        const LightList all(scene);
-        lights_ = all.infinite;
-        for (const double e : all.irradiance) infinite_.push_back(static_cast<float>(e));
+        const LightTree8 tree(scene);
+        const InfiniteLights infinite(scene, tree.unit());
+        lights_ = infinite.lights;
+        for (const double e : infinite.irradiance) infinite_.push_back(static_cast<float>(e));
         const std::size_t whole = (infinite_.size() + width - 1) / width * width;
         infinite_.resize(whole);
         lights_.resize(whole, none);
-        blocks_.assign((all.finite.size() + width - 1) / width, {});
-        for (std::size_t i = 0; i < all.finite.size(); ++i) {
-            blocks_[i / width].set(i % width, all.finite[i].cluster, all.facing[i]);
-            lights_.push_back(all.finite[i].light);
+        blocks_.assign((tree.count() + width - 1) / width, {});
+        for (std::uint32_t light = 0; light < scene.lights().size(); ++light) {
+            if (!tree.holds(light)) continue;
+            const auto [from, from_lane] = tree.lane(light);
+            const std::size_t i = lights_.size() - whole;
+            blocks_[i / width].copy(i % width, *from, from_lane);
+            lights_.push_back(light);
         }
         lights_.resize(whole + width * blocks_.size(), none);
         lane_of_.assign(scene.lights().size(), none);

@@ -6,36 +6,35 @@
 /// lights one of them is often behind the other.
 #pragma once
 
-#include "core/math/sequences.h"
 #include "core/scene/scene.h"
-
-#include <bit>
-#include <vector>
+#include "plugins/light_samplers/memory/key_table.h"
 
 namespace lucerna {
 
 class CellGrid {
 public:
-    static constexpr std::uint32_t none = 0xffffffff;
+    static constexpr std::uint32_t none = KeyTable::none;
     static constexpr float slabs = 4;  ///< of a cube
 
     CellGrid() = default;
-    /// `size` is the edge of a cell relative to its distance to the eye.
-    CellGrid(Vector3 eye, const Bounds3& bounds, float size)
+    /// `size` is the edge of a cell relative to its distance to the eye. Unless `by_side`, cells
+    /// are whole cubes.
+    CellGrid(Vector3 eye, const Bounds3& bounds, float size, bool by_side = true)
         : eye_(eye),
           origin_(bounds.center()),
           unit_(std::max(2 * bounds.radius(), 1e-20f)),
-          size_(size) {}
+          size_(size),
+          by_side_(by_side) {}
 
     /// Edge of the cells at `p`: the size of the scene times a power of two.
     float edge(Vector3 p) const { return unit_ / per_unit(level(p)); }
 
     /// `p` from the middle of the scene, in units of its size.
     Vector3 relative(Vector3 p) const { return (p - origin_) / unit_; }
-    /// Name of the cube around a point. Never zero.
-    std::uint64_t cube(Vector3 p) const { return key(p, 7); }
-    /// Name of the cell of a point `p` of a surface like that of the receiver. Never zero.
-    std::uint64_t key(Vector3 p, const Receiver& at) const { return key(p, face(at)); }
+    /// Name of the cell of a point `p` of a surface like that of the receiver.
+    std::uint64_t key(Vector3 p, const Receiver& at) const {
+        return key(p, by_side_ ? face(at) : 7);
+    }
 
     /// The cells of the same size and side around a cell, as far as they exist: of the next slabs,
     /// and of the cubes beside it.
@@ -51,27 +50,10 @@ public:
     }
 
     /// Cells in the order of this list.
-    void index(const std::vector<std::uint64_t>& keys) {
-        keys_ = keys;
-        slots_.assign(std::bit_ceil(2 * keys.size() + 1), none);
-        for (std::uint32_t i = 0; i < keys.size(); ++i) {
-            std::size_t slot = mix64(keys[i]) & (slots_.size() - 1);
-            while (slots_[slot] != none) slot = (slot + 1) & (slots_.size() - 1);
-            slots_[slot] = i;
-        }
-    }
+    void index(const std::vector<std::uint64_t>& keys) { cells_ = KeyTable(keys); }
     /// Number of the cell, or `none`.
-    std::uint32_t find(std::uint64_t key) const {
-        if (slots_.empty()) return none;
-        for (std::size_t slot = mix64(key) & (slots_.size() - 1);;
-             slot = (slot + 1) & (slots_.size() - 1)) {
-            const std::uint32_t cell = slots_[slot];
-            if (cell == none || keys_[cell] == key) return cell;
-        }
-    }
-    std::size_t bytes() const {
-        return keys_.capacity() * sizeof(std::uint64_t) + slots_.capacity() * sizeof(std::uint32_t);
-    }
+    std::uint32_t find(std::uint64_t key) const { return cells_.find(key); }
+    std::size_t bytes() const { return cells_.bytes(); }
 
 private:
     /// Cells of the level are 2^−level of the scene.
@@ -109,8 +91,8 @@ private:
     Vector3 eye_{0}, origin_{0};
     float unit_ = 1;
     float size_ = 1;
-    std::vector<std::uint64_t> keys_;   ///< of the cells
-    std::vector<std::uint32_t> slots_;  ///< of the hash table: cells, or `none`
+    bool by_side_ = true;
+    KeyTable cells_;
 };
 
 }  // namespace lucerna

@@ -2,6 +2,7 @@
 /// Pilot points by the cells in which they lie.
 #pragma once
 
+#include "plugins/light_samplers/learning/pilot_paths.h"
 #include "plugins/light_samplers/memory/cell_grid.h"
 
 #include <algorithm>
@@ -70,5 +71,19 @@ struct CellPoints {
         return chosen;
     }
 };
+
+/// The cells of some points, of the given size, or of a larger one if there were more than `most`.
+inline std::pair<CellGrid, CellPoints> make_cells(const Scene& scene,
+                                                  const std::vector<Receiver>& points, float size,
+                                                  std::size_t least_points, std::size_t most,
+                                                  bool by_side) {
+    for (;; size *= 1.25f) {
+        CellGrid grid(eye_of(scene), scene.bounds(), size, by_side);
+        CellPoints cells(grid, points, least_points);
+        if (cells.keys.size() > most && size < 1e4f) continue;
+        grid.index(cells.keys);
+        return {std::move(grid), std::move(cells)};
+    }
+}
 
 }  // namespace lucerna

@@ -2,31 +2,30 @@
 /// Lights that are weighed anew at each point.
 #pragma once
 
-#include "plugins/light_samplers/learning/candidates.h"
+#include "plugins/light_samplers/lights/light_lanes.h"
 
 #include <optional>
 
 namespace lucerna {
 
-/// What a choice should take for the visibility `v` of a light. Were v certain, P ∝ v would be
-/// best; were each light either seen or not, with the probability v, P ∝ √v: the second moment is
-/// Σ v u² / P. Measured, the best is between the two.
-inline float assumed_visibility(float v, float floor) {
-    return std::pow(std::max(v, floor), 0.85f);
-}
+/// A light to be weighed: where it is known, and what its contribution is multiplied by.
+struct WeighedLight {
+    std::uint32_t light;
+    std::pair<const LightLanes*, std::size_t> lane;
+    float factor = 1;
+};
 
-/// Weighed at each point: intensities are times learnt visibility.
 class WeighedLights {
 public:
+    static constexpr std::uint32_t none = 0xffffffff;
+
     WeighedLights() = default;
-    /// The candidates; visibility is taken to be at least `floor`.
-    WeighedLights(std::span<const Candidate> kept, const LightTree8& tree, float floor);
-    /// All lights of a tree that has no more than a node.
-    explicit WeighedLights(const LightTree8& tree);
+    explicit WeighedLights(std::span<const WeighedLight> lights);
 
     std::size_t blocks() const { return flat_.size() + others_.size(); }
     /// The light of each lane; none for empty ones.
     std::span<const std::uint32_t> lights() const { return lights_; }
+    bool holds(std::uint32_t light) const { return find(light) != lights_.size(); }
     /// Writes the weights of all lanes.
     void weigh(const ReceiverRegion& at, float* weights) const {
         contributions(std::span<const FlatLanes>(flat_), at, weights);
@@ -64,34 +63,26 @@ private:
     std::vector<std::uint32_t> lights_;  ///< first the flat ones
 };
 
-inline WeighedLights::WeighedLights(std::span<const Candidate> kept, const LightTree8& tree,
-                                    float floor) {
+inline WeighedLights::WeighedLights(std::span<const WeighedLight> lights) {
+    constexpr std::size_t width = LightLanes::width;
     const auto fill = [&](bool planar, auto& blocks) {
         std::size_t i = 0;
-        for (const Candidate& c : kept) {
-            const auto [from, lane] = tree.lane(c.light);
+        for (const WeighedLight& l : lights) {
+            const auto [from, lane] = l.lane;
             if (from->is_planar(lane) != planar) continue;
-            if (i % LightLanes::width == 0) {
+            if (i % width == 0) {
                 blocks.emplace_back();
-                lights_.resize(lights_.size() + LightLanes::width, LightTree8::none);
+                lights_.resize(lights_.size() + width, none);
             }
-            auto& block = blocks.back();
-            block.copy(i % LightLanes::width, *from, lane);
-            block.intensity[i % LightLanes::width] *= assumed_visibility(c.visibility(), floor);
-            lights_[lights_.size() - LightLanes::width + i % LightLanes::width] = c.light;
+            blocks.back().copy(i % width, *from, lane);
+            blocks.back().intensity[i % width] *= l.factor;
+            lights_[lights_.size() - width + i % width] = l.light;
             ++i;
         }
         blocks.shrink_to_fit();
     };
     fill(true, flat_);
     fill(false, others_);
-}
-
-inline WeighedLights::WeighedLights(const LightTree8& tree) {
-    std::vector<Candidate> all;
-    const std::size_t count = tree.empty() ? 0 : tree[0].count;
-    for (std::size_t i = 0; i < count; ++i) all.push_back({.light = tree[0].link[i], .prior = 1});
-    *this = WeighedLights(all, tree, 1);
 }
 
 /// The weights of such lights at one point: the sums of blocks are kept, and one block is weighed

@@ -24,10 +24,11 @@ public:
         double rest;  ///< how far into the light the place is, in [0, 1)
     };
 
+    WeightTable() = default;
     /// Keeps those of positive weight.
-    void assign(std::vector<std::pair<std::uint32_t, float>> lights);
+    explicit WeightTable(std::vector<std::pair<std::uint32_t, float>> lights);
     /// The weights of the lights 0, 1, 2, …; those of weight zero are not kept.
-    void assign(std::span<const float> weights);
+    explicit WeightTable(std::span<const float> weights) { encode(weights); }
 
     /// Number of lights that are kept.
     std::size_t size() const { return kept_; }
@@ -100,21 +101,15 @@ inline void WeightTable::encode(std::span<const float> weights) {
     total_ = static_cast<float>(sum);
 }
 
-inline void WeightTable::assign(std::vector<std::pair<std::uint32_t, float>> lights) {
+inline WeightTable::WeightTable(std::vector<std::pair<std::uint32_t, float>> lights) {
     std::erase_if(lights, [](const auto& l) { return !(l.second > 0); });
     std::sort(lights.begin(), lights.end());
-    lights_.clear();
     std::vector<float> weights;
     for (const auto& [light, weight] : lights) {
         lights_.push_back(light);
         weights.push_back(weight);
     }
     lights_.shrink_to_fit();
-    encode(weights);
-}
-
-inline void WeightTable::assign(std::span<const float> weights) {
-    lights_.clear();
     encode(weights);
 }
 
