@@ -41,7 +41,7 @@ public:
     }
 
 private:
-    void make_cells(const Scene& scene, const LightTree8& tree, const InfiniteLights& infinite);
+    void learn_cells(const Scene& scene, const LightTree8& tree, const InfiniteLights& infinite);
 
     CellOptions options_;
     PilotPaths pilots_;
@@ -75,10 +75,7 @@ CellCache::CellCache(const Params& params) {
                                      "light counts for");
     options_.tail = params.real("tail_share", 0.01, {.min = 1e-3, .max = 0.9},
                                 "share of draws for the lights that a cell does not remember");
-    pilots_.count = count("paths", 1 << 17, 1 << 24,
-                          "most paths from the camera that find cells; one for two pixels");
-    pilots_.bounces =
-        params.int32("bounces", 2, {.min = 0, .max = 16}, "after which those paths end");
+    pilots_ = pilot_paths(params, 1 << 17);
     cell_size_ = params.real(
         "cell_size", 1.0 / 64, {.min = 1e-4, .max = 100},
         "largest edge of a cell, relative to its distance to the camera; four times that "
@@ -95,7 +92,7 @@ void CellCache::learn(const Scene& scene, const LightTree8& tree, const Infinite
     const bool looks = scene.integrator().light_bounces() >= 0;
     if (!looks || (tree.empty() && infinite.size() <= few_enough)) return;
     if (tree.count() > few_enough || infinite.size() > few_enough) {
-        make_cells(scene, tree, infinite);
+        learn_cells(scene, tree, infinite);
         return;
     }
     std::vector<WeighedLight> all;
@@ -108,13 +105,13 @@ void CellCache::learn(const Scene& scene, const LightTree8& tree, const Infinite
     everywhere_->tail = 0;
 }
 
-void CellCache::make_cells(const Scene& scene, const LightTree8& tree,
-                           const InfiniteLights& infinite) {
+void CellCache::learn_cells(const Scene& scene, const LightTree8& tree,
+                            const InfiniteLights& infinite) {
     const Workers workers(scene.threads());
     const std::vector<Receiver> points = pilot_receivers(scene, pilots_.within(scene), workers);
     // What is seen of lights at infinity changes less from place to place.
     const float size = tree.empty() ? 4 * cell_size_ : cell_size_;
-    auto [grid, places] = lucerna::make_cells(scene, points, size, least_points, most_cells_, true);
+    auto [grid, places] = make_cells(scene, points, size, least_points, most_cells_, true);
     grid_ = std::move(grid);
     const CellPoints& cells = places;
     cells_.resize(cells.keys.size());

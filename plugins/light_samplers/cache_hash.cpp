@@ -9,7 +9,7 @@
 #include "plugins/light_samplers/memory/cache_sampler.h"
 #include "plugins/light_samplers/memory/jitter.h"
 
-#include <unordered_map>
+#include <map>
 
 namespace lucerna {
 
@@ -63,28 +63,24 @@ void HashLookup::build(const std::vector<Vector3>& points, const Bounds3& bounds
     points_ = points;
     corner_ = bounds.min;
     size_ = std::max(max_component(bounds.extent()), 1e-20f);
+    std::vector<std::uint64_t> keys;
+    members_.clear();
     // Until most points are alone in their cubes.
-    using Cubes = std::unordered_map<std::uint64_t, std::vector<std::uint32_t>>;
-    Cubes all;
-    for (levels_ = 0; levels_ <= finest;) {
-        Cubes cubes;
+    std::size_t cubes_of_level = 0;
+    for (levels_ = 0; levels_ <= finest && 10 * cubes_of_level < 9 * points.size(); ++levels_) {
+        std::map<std::uint64_t, std::vector<std::uint32_t>> cubes;
         for (std::uint32_t i = 0; i < points.size(); ++i) {
             cubes[key(points[i], levels_)].push_back(i);
         }
-        const bool enough = 10 * cubes.size() >= 9 * points.size();
-        all.merge(cubes);
-        ++levels_;
-        if (enough) break;
-    }
-    std::vector<std::uint64_t> keys;
-    members_.clear();
-    for (const auto& [key, cube] : all) {
-        keys.push_back(key);
-        // From those in a large cube, some that are far from each other in the order of placement.
-        const std::size_t count = std::min(cube.size(), most_points);
-        members_.emplace_back();
-        for (std::size_t k = 0; k < count; ++k) {
-            members_.back().push_back(cube[k * cube.size() / count]);
+        cubes_of_level = cubes.size();
+        for (const auto& [key, cube] : cubes) {
+            keys.push_back(key);
+            // Of many, some that are far from each other in the order of placement.
+            const std::size_t count = std::min(cube.size(), most_points);
+            members_.emplace_back();
+            for (std::size_t k = 0; k < count; ++k) {
+                members_.back().push_back(cube[k * cube.size() / count]);
+            }
         }
     }
     cubes_ = KeyTable(std::move(keys));

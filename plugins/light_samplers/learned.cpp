@@ -75,11 +75,7 @@ LearnedLightSampler::LearnedLightSampler(const Params& params) {
                          "shadow rays that a region learns from, for each of those");
     cell_size_ = params.real("cell_size", 1.0 / 32, {.min = 1e-4, .max = 100},
                              "edge of a region, relative to its distance to the camera");
-    pilots_.count = static_cast<std::uint32_t>(
-        params.int32("paths", 1 << 16, {.min = 1, .max = 1 << 24},
-                     "most paths from the camera that find regions; one for two pixels"));
-    pilots_.bounces =
-        params.int32("bounces", 2, {.min = 0, .max = 16}, "after which those paths end");
+    pilots_ = pilot_paths(params, 1 << 16);
 }
 
 void LearnedLightSampler::prepare(const Scene& scene) {

@@ -56,6 +56,11 @@ struct Candidates {
 
     /// What is not known of a light is taken from its group, and so on up to all of them.
     void learn_priors();
+    void sort_by_value() {
+        std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+            return a.value() > b.value();
+        });
+    }
     /// Takes from the regions around what they know of the same candidates, for no more than
     /// `most_rays` each. All are sorted.
     void borrow(std::span<const Candidates* const> neighbours, float most_rays);

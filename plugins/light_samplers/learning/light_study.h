@@ -44,15 +44,10 @@ public:
         return learn(static_cast<std::size_t>(found * rays_per_candidate));
     }
 
-    std::span<const ReceiverRegion> points() const { return lit_; }
-    /// Stands for all points.
-    const ReceiverRegion& region() const { return region_; }
-    Rng& rng() { return rng_; }
-    /// Irradiance that one sample of a light brings to a point, in units; zero if it is blocked.
-    double arriving(std::uint32_t light, std::size_t point);
-
     /// All lights at infinity, with what `rays` shadow rays tell of them.
     Candidates infinite(const InfiniteLights& lights, std::size_t rays);
+    /// Stands for all points.
+    const ReceiverRegion& region() const { return region_; }
 
 private:
     void bound_region(float margin);
@@ -65,6 +60,7 @@ private:
     Candidates learn(std::size_t rays);
     template <typename Lanes>
     void weigh(std::span<const Lanes> blocks);
+    double arriving(std::uint32_t light, std::size_t point);
     void trace(std::size_t candidate);
     void trace_rounds(std::size_t rays);
 
@@ -196,6 +192,7 @@ inline Candidates LightStudy::infinite(const InfiniteLights& lights, std::size_t
     return std::move(candidates_);
 }
 
+/// Irradiance that one sample of a light brings to a point, in units; zero if it is blocked.
 inline double LightStudy::arriving(std::uint32_t index, std::size_t point) {
     const Light& light = scene_.lights()[index];
     const Vector2 u = rng_.next_float2();

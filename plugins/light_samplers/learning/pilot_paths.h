@@ -5,6 +5,7 @@
 #include "core/base/parallel.h"
 #include "core/interfaces/sensor.h"
 #include "core/math/sequences.h"
+#include "core/plugin/plugin.h"
 #include "core/scene/medium_tracking.h"
 #include "core/scene/scatter.h"
 #include "core/scene/scene.h"
@@ -29,6 +30,17 @@ struct PilotPaths {
         return result;
     }
 };
+
+/// As the parameters `paths`, by default `count`, and `bounces` say.
+inline PilotPaths pilot_paths(const Params& params, int count) {
+    PilotPaths result;
+    result.count = static_cast<std::uint32_t>(params.int32(
+        "paths", count, {.min = 1, .max = 1 << 24},
+        "most paths from the camera that find where lights are sampled; one for two pixels"));
+    result.bounces =
+        params.int32("bounces", 2, {.min = 0, .max = 16}, "after which those paths end");
+    return result;
+}
 
 /// From where the camera looks.
 inline Vector3 eye_of(const Scene& scene) {

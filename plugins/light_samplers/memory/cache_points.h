@@ -14,7 +14,6 @@
 /// tree is the part of all light, as far as it is known, that the point does not remember.
 #pragma once
 
-#include "core/plugin/plugin.h"
 #include "plugins/light_samplers/learning/light_study.h"
 #include "plugins/light_samplers/memory/cache_record.h"
 #include "plugins/light_samplers/memory/cell_points.h"
@@ -57,10 +56,7 @@ inline CachePointOptions::CachePointOptions(const Params& params) {
     rays = count("shadow_rays", 512, 1 << 16, "that a cache point learns from");
     coverage = params.real("coverage", 0.97, {.min = 0, .max = 1, .open_min = true},
                            "of the irradiance, at which a list ends");
-    pilots.count = count("paths", 1 << 17, 1 << 24,
-                         "most paths from the camera that place points on surfaces");
-    pilots.bounces =
-        params.int32("bounces", 2, {.min = 0, .max = 16}, "after which those paths end");
+    pilots = pilot_paths(params, 1 << 17);
     has_tail = params.choice<bool>("tail", true, {{"tree", true}, {"none", false}},
                                    "what chooses the lights that are in no list of a cache point");
     least_tail = params.real("least_tail", 0.1, {.min = 1e-3, .max = 0.9},
@@ -160,8 +156,7 @@ inline CachePoint make_cache_point(LightStudy& study, const LightTree8& tree,
                                    const InfiniteLights& infinite,
                                    const CachePointOptions& options) {
     Candidates candidates = study.candidates(options.candidates, options.rays);
-    std::stable_sort(candidates.all.begin(), candidates.all.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.value() > b.value(); });
+    candidates.sort_by_value();
     CachePoint point;
     std::vector<WeighedLight> near;
     std::array<std::vector<std::pair<std::uint32_t, float>>, CachePoint::axes + 1> lists;

@@ -21,15 +21,8 @@ struct CacheRecord {
     float tail = 1;        ///< share of draws that the tree gets
     bool has_all = false;  ///< every light that is somewhere is near
 
-    /// Asks the memory for what a draw will read first: where the lists are, then them.
-    enum class Prefetch { addresses, data };
-    void prefetch(Prefetch what) const {
-        if (what == Prefetch::data) {
-            near.prefetch();
-            for (const WeightTable& list : lists) list.prefetch();
-            infinite.prefetch();
-            return;
-        }
+    /// Asks the memory for the record itself, which tells where its lists are.
+    void prefetch() const {
         const auto* const begin = reinterpret_cast<const char*>(this);
         for (std::size_t i = 0; i < sizeof(*this); i += 64) __builtin_prefetch(begin + i);
     }

@@ -53,7 +53,7 @@ public:
         if (tree_.count() + infinite_.size() == 1) {
             only_ = tree_.empty() ? infinite_.lights.front() : tree_[0].link[0];
         }
-        cache_.learn(scene, tree_, infinite_);
+        if (!only_) cache_.learn(scene, tree_, infinite_);
     }
 
     /// The shares of the lists and of the tree at a point.
@@ -76,6 +76,11 @@ public:
     private:
         Draw begin_in_lists(double place) const;
         std::optional<float> pmf_in_lists(std::uint32_t light) const;
+        float finite_pmf(std::uint32_t light) const;
+        /// The probability of a light of the tree that one list, or the tree, draws with `pmf`.
+        float sum_over_lists(std::uint32_t light, float pmf) const {
+            return Record::is_disjoint ? pmf : finite_pmf(light);
+        }
         /// Whether the record has learnt what lights at infinity bring.
         bool learnt_infinite() const { return record_ && record_->infinite.size() > 0; }
         float infinite_pmf(std::uint32_t i) const {
@@ -153,7 +158,7 @@ auto CacheSampler<Cache>::Distribution::begin_in_lists(double place) const -> Dr
     }
     if (place >= end && near_.total() > 0) {
         const WeightsAt::Choice near = near_.draw(at_, place - end);
-        return {.light = LightChoice{near.light, list_ * near.weight}};
+        return {.light = LightChoice{near.light, sum_over_lists(near.light, list_ * near.weight)}};
     }
     if (chosen == factors_.size()) return {};
     const auto factor = static_cast<double>(factors_[chosen]);
@@ -162,7 +167,7 @@ auto CacheSampler<Cache>::Distribution::begin_in_lists(double place) const -> Dr
     if (chosen == Record::clusters) {
         return {.walk = LightTree8::Walk(at_, drawn.rest, drawn.light), .pmf = pmf};
     }
-    return {.light = LightChoice{drawn.light, pmf}};
+    return {.light = LightChoice{drawn.light, sum_over_lists(drawn.light, pmf)}};
 }
 
 template <typename Cache>
@@ -190,19 +195,13 @@ auto CacheSampler<Cache>::Distribution::begin(double u) const -> Draw {
 
 template <typename Cache>
 std::optional<LightChoice> CacheSampler<Cache>::Distribution::end(const Draw& draw) const {
-    std::optional<LightChoice> found = draw.light;
-    if (draw.walk) {
-        const auto choice = draw.walk->choice();
-        if (!choice) return {};
-        if constexpr (Record::is_disjoint) {
-            if (draw.others && draw.others->holds(choice->light, sampler_->tree_)) return {};
-        }
-        found = LightChoice{choice->light, draw.pmf * choice->pmf};
+    if (!draw.walk) return draw.light;
+    const auto choice = draw.walk->choice();
+    if (!choice) return {};
+    if constexpr (Record::is_disjoint) {
+        if (draw.others && draw.others->holds(choice->light, sampler_->tree_)) return {};
     }
-    if constexpr (!Record::is_disjoint) {
-        if (found) found = LightChoice{found->light, pmf(found->light)};
-    }
-    return found;
+    return LightChoice{choice->light, sum_over_lists(choice->light, draw.pmf * choice->pmf)};
 }
 
 /// The probability by the lists of a light of the tree. Nothing if they do not hold it, for
@@ -233,11 +232,15 @@ template <typename Cache>
 float CacheSampler<Cache>::Distribution::pmf(std::uint32_t light) const {
     if (sampler_->only_) return light == *sampler_->only_ ? 1.0f : 0.0f;
     if (const auto place = sampler_->infinite_.place_of(light)) return infinite_pmf(*place);
-    const LightTree8& tree = sampler_->tree_;
-    if (!tree.holds(light)) return 0;
+    return sampler_->tree_.holds(light) ? finite_pmf(light) : 0.0f;
+}
+
+/// The probability of a light of the tree.
+template <typename Cache>
+float CacheSampler<Cache>::Distribution::finite_pmf(std::uint32_t light) const {
     const std::optional<float> listed = record_ ? pmf_in_lists(light) : std::nullopt;
     if (tree_ > 0 && !(Record::is_disjoint && listed)) {
-        return listed.value_or(0.0f) + tree_ * tree.pmf(at_, light);
+        return listed.value_or(0.0f) + tree_ * sampler_->tree_.pmf(at_, light);
     }
     return listed.value_or(0.0f);
 }
@@ -251,10 +254,13 @@ void CacheSampler<Cache>::at_many(std::span<const Receiver* const> receivers,
         const std::size_t count = std::min(most, receivers.size() - begin);
         for (std::size_t i = 0; i < count; ++i) {
             records[i] = cache_.find(*receivers[begin + i]);
-            if (records[i]) records[i]->prefetch(Record::Prefetch::addresses);
+            if (records[i]) records[i]->prefetch();
         }
         for (std::size_t i = 0; i < count; ++i) {
-            if (records[i]) records[i]->prefetch(Record::Prefetch::data);
+            if (!records[i]) continue;
+            records[i]->near.prefetch();
+            records[i]->infinite.prefetch();
+            if constexpr (Record::is_disjoint) records[i]->lists[Record::clusters].prefetch();
         }
         for (std::size_t i = 0; i < count; ++i) {
             out[begin + i]->set(Distribution(*this, *receivers[begin + i], records[i]));

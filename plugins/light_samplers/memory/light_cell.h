@@ -41,8 +41,7 @@ struct LightCell : CacheRecord<2> {
 inline LightCell make_cell(Candidates candidates, const Candidates& infinite,
                            const LightTree8& tree, const InfiniteLights& infinite_lights,
                            const CellOptions& options) {
-    std::stable_sort(candidates.all.begin(), candidates.all.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.value() > b.value(); });
+    candidates.sort_by_value();
     constexpr double least = 0.01;  // of the light of all candidates, for being near
     double all = 0, sum = 0;
     for (const Candidate& c : candidates.all) all += static_cast<double>(c.value());
