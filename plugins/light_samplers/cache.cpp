@@ -111,9 +111,9 @@ void CellCache::learn_cells(const Scene& scene, const LightTree8& tree,
     const std::vector<Receiver> points = pilot_receivers(scene, pilots_.within(scene), workers);
     // What is seen of lights at infinity changes less from place to place.
     const float size = tree.empty() ? 4 * cell_size_ : cell_size_;
-    auto [grid, places] = make_cells(scene, points, size, least_points, most_cells_, true);
-    grid_ = std::move(grid);
-    const CellPoints& cells = places;
+    Cells made = make_cells(scene, points, size, least_points, most_cells_, true);
+    grid_ = std::move(made.grid);
+    const CellPoints& cells = made.points;
     cells_.resize(cells.keys.size());
     const auto for_each_cell = [&](const auto& task) {
         workers.run(static_cast<std::int64_t>(cells_.size()),

@@ -55,7 +55,7 @@ private:
     float size_ = 1;
     int levels_ = 1;
     KeyTable cubes_;
-    std::vector<std::vector<std::uint32_t>> members_;  ///< of each cube, its points
+    std::vector<std::vector<std::uint32_t>> members_;  ///< the points of each cube
     std::vector<Vector3> points_;
 };
 
@@ -75,7 +75,7 @@ void HashLookup::build(const std::vector<Vector3>& points, const Bounds3& bounds
         cubes_of_level = cubes.size();
         for (const auto& [key, cube] : cubes) {
             keys.push_back(key);
-            // Of many, some that are far from each other in the order of placement.
+            // A large cube keeps a few that are far from each other in the order of placement.
             const std::size_t count = std::min(cube.size(), most_points);
             members_.emplace_back();
             for (std::size_t k = 0; k < count; ++k) {

@@ -89,9 +89,9 @@ void LearnedLightSampler::prepare(const Scene& scene) {
     if (tree_.size() <= 1 || scene.integrator().light_bounces() < 0) return;
     const Workers workers(scene.threads());
     const std::vector<Receiver> points = pilot_receivers(scene, pilots_.within(scene), workers);
-    const auto made = make_cells(scene, points, cell_size_, 1, points.size(), true);
-    grid_ = made.first;
-    const CellPoints& cells = made.second;
+    Cells made = make_cells(scene, points, cell_size_, 1, points.size(), true);
+    grid_ = std::move(made.grid);
+    const CellPoints& cells = made.points;
     regions_.resize(cells.keys.size());
     workers.run(static_cast<std::int64_t>(regions_.size()), [&](std::int64_t index) {
         const auto i = static_cast<std::size_t>(index);

@@ -23,7 +23,7 @@ struct Candidate {
 
     std::uint32_t light = none;
     std::uint32_t cluster = none;  ///< node of the tree, if it is not a light
-    std::uint32_t group = 0;       ///< of candidates, that it is in
+    std::uint32_t group = 0;       ///< the group of candidates that it is in
     float mean = 0;                ///< unoccluded contribution, over the points
     float rays = 0;
     float arrived = 0;                      ///< sum over rays of the fraction that arrived

@@ -46,7 +46,7 @@ struct alignas(32) InfiniteLanes {
     return above > 0 ? value : 0.0f;
 }
 
-/// Those of a scene that shine. Irradiance is in units of a light tree: LightTree8::unit.
+/// Those of a scene that shine. Irradiance is in units of FiniteLights::unit.
 struct InfiniteLights {
     std::vector<std::uint32_t> lights;  ///< of the scene, in ascending order
     std::vector<InfiniteLanes> lanes;   ///< the same, in their order

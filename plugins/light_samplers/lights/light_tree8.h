@@ -7,29 +7,9 @@
 #pragma once
 
 #include "core/base/huge_pages.h"
-#include "core/scene/scene.h"
-#include "plugins/light_samplers/lights/light_lanes.h"
-#include "plugins/light_samplers/lights/light_tree.h"
+#include "plugins/light_samplers/lights/finite_lights.h"
 
 namespace lucerna {
-
-/// Fills a lane with a cluster whose power is its intensity.
-inline void set_lane(LightLanes& lanes, std::size_t i, const LightCluster& c) {
-    const Vector3 center = c.box.center();
-    // Boxes grow by the rounding of their coordinates.
-    const Vector3 half = glm::max(c.box.max - center, center - c.box.min) +
-                         Vector3(0x1p-21f * max_component(absolute(center)));
-    lanes.cx[i] = center.x, lanes.cy[i] = center.y, lanes.cz[i] = center.z;
-    lanes.ex[i] = half.x, lanes.ey[i] = half.y, lanes.ez[i] = half.z;
-    lanes.ax[i] = c.axis.x, lanes.ay[i] = c.axis.y, lanes.az[i] = c.axis.z;
-    lanes.cos_o[i] = c.cos_normals;
-    lanes.sin_o[i] = safe_sqrt(1 - sqr(c.cos_normals));
-    lanes.cos_e[i] = c.cos_emission;
-    lanes.two_sided[i] = c.two_sided ? 1.0f : 0.0f;
-    lanes.intensity[i] = c.power;
-    const float plane = c.plane >= 0 ? c.plane : glm::dot(absolute(c.axis), half);
-    lanes.facing[i] = c.is_flat() ? plane : infinity;
-}
 
 class LightTree8 {
 public:
@@ -77,8 +57,7 @@ public:
     bool empty() const { return nodes_.empty(); }
     /// Number of lights.
     std::size_t count() const { return count_; }
-    /// What intensities are relative to: that of the strongest light [W/sr]. Irradiance that counts
-    /// as 1.
+    /// FiniteLights::unit.
     double unit() const { return unit_; }
     const Node& operator[](std::uint32_t i) const { return nodes_[i]; }
     /// Goes down by one node; false if the walk has ended. The tree must not be empty.
@@ -136,7 +115,6 @@ private:
         const auto* const node = reinterpret_cast<const char*>(&nodes_[walk.place_]);
         for (std::size_t i = 0; i < sizeof(Node); i += 64) __builtin_prefetch(node + i);
     }
-    std::vector<TreeLight> finite_lights(const Scene& scene);
     std::uint32_t collapse(const LightTree& binary, std::uint32_t root, std::uint32_t parent,
                            std::size_t slot);
 
@@ -147,53 +125,12 @@ private:
     double unit_ = 1;
 };
 
-/// Where the plane of a planar emitter is, seen from the centre of its box along the normal.
-inline float plane_of(const Light& light, const LightCluster& cluster) {
-    if (!cluster.is_flat()) return infinity;
-    if (!light.shape) return 0;
-    const Vector3 center = cluster.box.center();
-    const SurfaceSample at = light.shape->sample_area(light.primitive, Vector2(0.5f));
-    const float rounding =
-        4 * at.error + 1e-4f * cluster.box.radius() + 0x1p-21f * max_component(absolute(center));
-    return glm::dot(center - at.p, cluster.axis) + rounding;
-}
-
-/// With intensities for powers, in the unit, which is found here.
-inline std::vector<TreeLight> LightTree8::finite_lights(const Scene& scene) {
-    std::vector<TreeLight> lights;
-    double largest = 0;
-    for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
-        const Light& light = scene.lights()[i];
-        const LightBounds bounds = light.emitter->bounds(light);
-        if (!(bounds.power > 0) || light.emitter->infinite()) continue;
-        const float cos_normals = std::clamp(bounds.cos_normals, -1.0f, 1.0f);
-        const float measure = emission_measure(cos_normals, bounds.cos_emission);
-        const double sides = bounds.two_sided ? 2 : 1;
-        const double intensity =
-            bounds.power / (sides * std::max(static_cast<double>(measure), 1e-9));
-        largest = std::max(largest, intensity);
-        lights.push_back({.cluster = {.box = bounds.box,
-                                      .axis = bounds.axis,
-                                      .cos_normals = cos_normals,
-                                      .cos_emission = bounds.cos_emission - 1e-5f,
-                                      .power = static_cast<float>(std::min(intensity, 1e30)),
-                                      .two_sided = bounds.two_sided},
-                          .light = i});
-        lights.back().cluster.plane = plane_of(light, lights.back().cluster);
-    }
-    if (largest > 0) unit_ = largest;
-    for (auto& [cluster, light] : lights) {
-        const double power = static_cast<double>(cluster.power) / unit_;
-        cluster.power = cluster.strongest = static_cast<float>(std::max(power, 1e-25));
-    }
-    return lights;
-}
-
 inline LightTree8::LightTree8(const Scene& scene) : place_(scene.lights().size(), none) {
-    std::vector<TreeLight> lights = finite_lights(scene);
-    count_ = lights.size();
-    if (lights.empty()) return;
-    const LightTree binary(std::move(lights), Workers(scene.threads()));
+    FiniteLights finite(scene);
+    count_ = finite.lights.size();
+    unit_ = finite.unit;
+    if (finite.lights.empty()) return;
+    const LightTree binary(std::move(finite.lights), Workers(scene.threads()));
     nodes_.reserve(binary.size() / 5 + 1);
     collapse(binary, 0, none, 0);
     nodes_.shrink_to_fit();

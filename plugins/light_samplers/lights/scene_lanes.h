@@ -2,8 +2,8 @@
 /// What every light of a scene contributes to a point where nothing is in between.
 #pragma once
 
+#include "plugins/light_samplers/lights/finite_lights.h"
 #include "plugins/light_samplers/lights/infinite_lights.h"
-#include "plugins/light_samplers/lights/light_tree8.h"
 
 namespace lucerna {
 
@@ -16,20 +16,17 @@ public:
 
     SceneLanes() = default;
     explicit SceneLanes(const Scene& scene) {
-        const LightTree8 tree(scene);
-        const InfiniteLights infinite(scene, tree.unit());
+        const FiniteLights finite(scene);
+        const InfiniteLights infinite(scene, finite.unit);
         lights_ = infinite.lights;
         for (const double e : infinite.irradiance) infinite_.push_back(static_cast<float>(e));
         const std::size_t whole = (infinite_.size() + width - 1) / width * width;
         infinite_.resize(whole);
         lights_.resize(whole, none);
-        blocks_.assign((tree.count() + width - 1) / width, {});
-        for (std::uint32_t light = 0; light < scene.lights().size(); ++light) {
-            if (!tree.holds(light)) continue;
-            const auto [from, from_lane] = tree.lane(light);
-            const std::size_t i = lights_.size() - whole;
-            blocks_[i / width].copy(i % width, *from, from_lane);
-            lights_.push_back(light);
+        blocks_.resize((finite.lights.size() + width - 1) / width);
+        for (std::size_t i = 0; i < finite.lights.size(); ++i) {
+            set_lane(blocks_[i / width], i % width, finite.lights[i].cluster);
+            lights_.push_back(finite.lights[i].light);
         }
         lights_.resize(whole + width * blocks_.size(), none);
         lane_of_.assign(scene.lights().size(), none);

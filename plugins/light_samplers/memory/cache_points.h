@@ -118,7 +118,7 @@ inline std::vector<std::vector<Receiver>> sites_on_surfaces(const Scene& scene,
     const std::vector<Receiver> points =
         pilot_receivers(scene, options.pilots.within(scene), workers);
     const CellPoints cubes =
-        make_cells(scene, points, 1.0f / 128, 1, options.most_points, false).second;
+        make_cells(scene, points, 1.0f / 128, 1, options.most_points, false).points;
     std::vector<std::vector<Receiver>> sites;
     for (std::size_t i = 0; i < cubes.keys.size(); ++i) sites.push_back(cubes.choose(points, i));
     return sites;

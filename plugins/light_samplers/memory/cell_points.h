@@ -72,13 +72,17 @@ struct CellPoints {
     }
 };
 
+struct Cells {
+    CellGrid grid;
+    CellPoints points;
+};
+
 /// The cells of some points, of the given size, or of a larger one if there were more than `most`.
-inline std::pair<CellGrid, CellPoints> make_cells(const Scene& scene,
-                                                  const std::vector<Receiver>& points, float size,
-                                                  std::size_t least_points, std::size_t most,
-                                                  bool by_side) {
+inline Cells make_cells(const Scene& scene, const std::vector<Receiver>& points, float size,
+                        std::size_t least_points, std::size_t most, bool by_side) {
+    const Vector3 eye = eye_of(scene);
     for (;; size *= 1.25f) {
-        CellGrid grid(eye_of(scene), scene.bounds(), size, by_side);
+        CellGrid grid(eye, scene.bounds(), size, by_side);
         CellPoints cells(grid, points, least_points);
         if (cells.keys.size() > most && size < 1e4f) continue;
         grid.index(cells.keys);
