@@ -10,12 +10,12 @@
 /// on average, times sin θ: so it is positive wherever the light is. Large pictures are many lights
 /// (map_patches.h); p is then that of the light's patch.
 #include "plugins/emitters/map_patches.h"
-#include "plugins/emitters/map_texels.h"
 #include "plugins/emitters/scene_sphere.h"
 #include "plugins/emitters/sphere_map.h"
 
 #include "core/image/color.h"
 #include "core/image/read_image.h"
+#include "core/image/texels.h"
 #include "core/interfaces/emitter.h"
 #include "core/math/orientation.h"
 
@@ -42,13 +42,14 @@ public:
             params.warning("filename", fmt::format("{}: {}", path.string(), image.notice));
         }
         ColorConfig().to_rendering(image);
-        const std::size_t bad = take_texels(image);
+        const std::size_t bad = clean(image);
         if (bad > 0) {
             params.warning("filename",
                            fmt::format("{}: {} of {} texels are negative or not finite; such "
                                        "values are taken as 0",
                                        path.string(), bad, image.pixel_count()));
         }
+        texels_ = Texels(std::move(image), true);
         build_table();
     }
 
@@ -97,72 +98,76 @@ public:
     }
 
 private:
-    /// Copies the colours; returns the number of texels that cannot be. Channels just below zero
-    /// come from conversions between colour spaces.
-    std::size_t take_texels(const Image& image) {
+    /// Sets to zero what cannot be radiance; returns the number of such texels. Channels just below
+    /// zero come from conversions between colour spaces.
+    std::size_t clean(Image& image) const {
         constexpr float tolerance = 1e-5f;
-        width_ = image.width;
-        height_ = image.height;
-        std::vector<Color> colors(image.pixel_count());
         std::size_t bad = 0;
-        for (std::size_t i = 0; i < colors.size(); ++i) {
-            const Color c = image.rgb(i);
-            const bool finite = is_finite(scale_ * c);
-            colors[i] = finite ? glm::max(c, Color(0)) : Color(0);
-            bad += !finite || min_component(c) < -tolerance * max_component(absolute(c));
+        for (int y = 0; y < image.height; ++y) {
+            for (int x = 0; x < image.width; ++x) {
+                const Color c = image.rgb(x, y);
+                const bool finite = is_finite(scale_ * c);
+                bad += !finite || min_component(c) < -tolerance * max_component(absolute(c));
+                if (!finite || min_component(c) < 0) {
+                    image.set_rgb(x, y, finite ? glm::max(c, Color(0)) : Color(0));
+                }
+            }
         }
-        texels_ = MapTexels(colors, width_);
         return bad;
     }
 
     /// The weight of a texel is the flux through its solid angle of the interpolated map. The mean
     /// of a linear interpolation over a texel is 1/8, 6/8, 1/8 of its neighbours and of itself.
     void build_table() {
-        std::vector<float> weights(static_cast<std::size_t>(width_) *
-                                   static_cast<std::size_t>(height_));
-        const double step = std::numbers::pi / height_;
-        for (int y = 0; y < height_; ++y) {
-            const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
+        const int width = texels_.width(), height = texels_.height();
+        std::vector<float> weights(static_cast<std::size_t>(width) *
+                                   static_cast<std::size_t>(height));
+        const double step = std::numbers::pi / height;
+        for (int y = 0; y < height; ++y) {
+            const int above = std::max(y - 1, 0), below = std::min(y + 1, height - 1);
             // cos θ₁ − cos θ₂ for the texel's upper and lower edge, times its width in φ.
             const double solid_angle = 2 * std::sin((y + 0.5) * step) * std::sin(0.5 * step) *
-                                       (2 * std::numbers::pi / width_);
+                                       (2 * std::numbers::pi / width);
             const auto column = [&](int x) {
                 return 0.125f * luminance(texel(x, above)) + 0.75f * luminance(texel(x, y)) +
                        0.125f * luminance(texel(x, below));
             };
-            for (int x = 0; x < width_; ++x) {
-                const int left = (x + width_ - 1) % width_, right = (x + 1) % width_;
+            for (int x = 0; x < width; ++x) {
+                const int left = (x + width - 1) % width, right = (x + 1) % width;
                 const float mean =
                     0.125f * column(left) + 0.75f * column(x) + 0.125f * column(right);
-                weights[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                weights[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                         static_cast<std::size_t>(x)] =
                     static_cast<float>(static_cast<double>(mean) * solid_angle);
             }
         }
-        patches_ = MapPatches(weights, width_, height_);
+        patches_ = MapPatches(weights, width, height);
     }
 
-    Color texel(int x, int y) const { return scale_ * to_vector3(texels_(x, y)); }
+    Color texel(int x, int y) const { return scale_ * texels_(x, y); }
 
     /// Bilinear; periodic in u, constant beyond the centres of the first and last rows.
     Color lookup(Vector2 uv) const {
-        const float x = uv.x * static_cast<float>(width_) - 0.5f;
-        const float y = uv.y * static_cast<float>(height_) - 0.5f;
+        const int width = texels_.width(), height = texels_.height();
+        const float x = uv.x * static_cast<float>(width) - 0.5f;
+        const float y = uv.y * static_cast<float>(height) - 0.5f;
         const float left = std::floor(x), above = std::floor(y);
-        const int x0 = left < 0 ? width_ - 1 : std::min(static_cast<int>(left), width_ - 1);
-        const int x1 = x0 + 1 < width_ ? x0 + 1 : 0;
-        const int y0 = std::clamp(static_cast<int>(above), 0, height_ - 1);
-        const int y1 = std::clamp(static_cast<int>(above) + 1, 0, height_ - 1);
+        const int x0 = left < 0 ? width - 1 : std::min(static_cast<int>(left), width - 1);
+        const int x1 = x0 + 1 < width ? x0 + 1 : 0;
+        const int y0 = std::clamp(static_cast<int>(above), 0, height - 1);
+        const int y1 = std::clamp(static_cast<int>(above) + 1, 0, height - 1);
         const float s = x - left, t = y - above;
-        const FourFloats upper = (1 - s) * texels_(x0, y0) + s * texels_(x1, y0);
-        const FourFloats lower = (1 - s) * texels_(x0, y1) + s * texels_(x1, y1);
-        return to_vector3(scale_ * ((1 - t) * upper + t * lower));
+        const std::size_t columns[] = {texels_.column(x0), texels_.column(x1)};
+        const auto in_row = [&](int row) {
+            const std::size_t place = texels_.row(row);
+            return (1 - s) * texels_.at(columns[0] + place) + s * texels_.at(columns[1] + place);
+        };
+        return to_vector3(scale_ * ((1 - t) * in_row(y0) + t * in_row(y1)));
     }
 
     Frame world_from_map_;
-    int width_ = 0, height_ = 0;
-    float scale_ = 1;  ///< of the texels
-    MapTexels texels_;
+    float scale_ = 1;  ///< what texels are multiplied by
+    Texels texels_;
     MapPatches patches_;
     SceneSphere sphere_;
 };

@@ -5,10 +5,10 @@
 /// bits that name none), unless `raw` says that they are numbers. Alpha is never encoded, and is
 /// not applied to the colours. Bilinear interpolation is done on linear values. `to_uv` maps
 /// (u, 1 − v), which is (0, 0) in the upper left corner: so it means the same as in Mitsuba.
-#include "plugins/textures/texels.h"
 #include "plugins/textures/uv_transform.h"
 
 #include "core/image/read_image.h"
+#include "core/image/texels.h"
 #include "core/interfaces/texture.h"
 
 #include <fmt/format.h>
@@ -94,7 +94,7 @@ public:
               {{"repeat", Wrap::repeat}, {"mirror", Wrap::mirror}, {"clamp", Wrap::clamp}},
               "outside of the unit square")),
           to_uv_(params.transform("to_uv", "maps u and v")) {
-        params.no_effect("format", "8-bit pictures are kept as such, others as floats");
+        params.no_effect("format", "pictures are kept in as many bits as their numbers need");
         for (const char* name : {"accel", "cache", "max_anisotropy"}) {
             params.no_effect(name, "lookups are made by the CPU, without mipmaps");
         }

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The picture of a bitmap texture in memory.
+/// Pictures as textures and environments read them.
 #pragma once
 
 #include "core/base/huge_pages.h"
 #include "core/image/color.h"
-#include "core/math/four_floats.h"
+#include "core/math/half.h"
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 namespace lucerna {
 
 /// Pixels in one or three channels, linear or raw. They lie in square tiles, so that the four
-/// around a point are mostly in one line of the cache: 4 × 4 colours or 8 × 8 grey values of
-/// 8 bits. Pictures of 8 bits are kept as such and decoded by a table.
+/// around a point are mostly in one line of the cache: 4 × 4 texels, or 8 × 8 grey values of 8
+/// bits. Pictures of 8 bits are kept as such and decoded by a table; other numbers are kept in 16
+/// bits if these hold all of them exactly.
 class Texels {
 public:
     Texels() = default;
@@ -27,7 +29,8 @@ public:
         } else {
             ColorConfig().to_rendering(image, raw ? "raw" : "auto");
         }
-        stride_ = channels_ == 1 ? 1 : as_bytes ? 4 : 3;
+        const bool as_halves = !as_bytes && fits_in_halves(image);
+        stride_ = channels_ == 1 ? 1 : as_bytes || as_halves ? 4 : 3;
         shift_ = as_bytes && channels_ == 1 ? 3 : 2;
         tiles_per_row_ = (static_cast<std::size_t>(width_ - 1) >> shift_) + 1;
         const std::size_t tiles_per_column = (static_cast<std::size_t>(height_ - 1) >> shift_) + 1;
@@ -35,6 +38,9 @@ public:
         if (as_bytes) {
             bytes_.resize(numbers);
             store(image, bytes_, [](float v) { return static_cast<std::uint8_t>(v * 255 + 0.5f); });
+        } else if (as_halves) {
+            halves_.resize(numbers);
+            store(image, halves_, half::bits_of);
         } else {
             floats_.resize(numbers);
             store(image, floats_, [](float v) { return std::isfinite(v) ? v : 0.0f; });
@@ -46,6 +52,8 @@ public:
     int channels() const { return channels_; }
     /// Pixels that held a NaN or an infinity, which are taken as 0.
     std::size_t bad() const { return bad_; }
+    /// Of each number in memory.
+    std::size_t bits() const { return !bytes_.empty() ? 8 : !halves_.empty() ? 16 : 32; }
 
     /// The place of a texel is that of its column plus that of its row.
     std::size_t column(int x) const {
@@ -64,6 +72,12 @@ public:
             if (channels_ == 1) return all_equal(decoded_[p[0]]);
             return FourFloats{decoded_[p[0]], decoded_[p[1]], decoded_[p[2]], 0};
         }
+        if (!halves_.empty()) {
+            half::Four four{halves_[place]};
+            if (channels_ == 1) return all_equal(half::to_floats(four)[0]);
+            std::memcpy(&four, halves_.data() + place, sizeof four);
+            return half::to_floats(four);
+        }
         const float* const p = floats_.data() + place;
         if (channels_ == 1) return all_equal(p[0]);
         return FourFloats{p[0], p[1], p[2], 0};
@@ -73,6 +87,14 @@ public:
 private:
     static FourFloats all_equal(float v) { return FourFloats{v, v, v, v}; }
     std::size_t mask() const { return (std::size_t{1} << shift_) - 1; }
+
+    bool fits_in_halves(const Image& image) const {
+        for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+            const Color c = image.rgb(i);
+            if (!half::holds(c.x) || !half::holds(c.y) || !half::holds(c.z)) return false;
+        }
+        return true;
+    }
 
     void fill_table(const Image& image, bool raw) {
         for (int k = 0; k < 256; ++k) {
@@ -100,6 +122,7 @@ private:
     std::size_t shift_ = 0;   ///< a tile has 2^shift_ rows and columns
     std::size_t tiles_per_row_ = 0;
     std::vector<std::uint8_t, HugePages<std::uint8_t>> bytes_;
+    std::vector<std::uint16_t, HugePages<std::uint16_t>> halves_;
     std::vector<float, HugePages<float>> floats_;
     std::array<float, 256> decoded_{};
     std::size_t bad_ = 0;
