@@ -89,8 +89,7 @@ TEST_F(CheckCommandTest, all_plugins_keep_their_contracts) {
             const std::string plugin = std::string(kind) + "/" + name;
             const auto found = needs.find(plugin);
             if (found != needs.end() && found->second.empty()) continue;
-            // So that all plugins together are blamed with a probability of about 0.001.
-            std::vector<std::string> arguments = {plugin, "--samples", "50000", "--level", "2e-5"};
+            std::vector<std::string> arguments = {plugin, "--samples", "100000"};
             if (found != needs.end()) {
                 arguments.insert(arguments.end(), found->second.begin(), found->second.end());
             }
