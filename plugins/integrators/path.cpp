@@ -88,7 +88,7 @@ private:
         CameraSample* sample;
         std::uint32_t dimension = camera_dimensions;  ///< of the sample stream, at the next step
         std::uint32_t light_samples;                  ///< at the next step
-        PathVertex vertices[2];                       ///< in turn
+        PathVertex vertices[2];                       ///< here() and before(), by turns
         int turn = 0;
         SpecularChain chain;     ///< since the vertex before
         int depth = 0;           ///< vertices before the one that comes
